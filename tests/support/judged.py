@@ -58,12 +58,13 @@ def judged(
         run=SimpleNamespace(
             outcome=Outcome.FINISHED,
             failed=None,
-            setup=SimpleNamespace(stages=(), solver=SimpleNamespace(mass_scaling=None)),
+            setup=SimpleNamespace(stages=()),
             stages=SimpleNamespace(ended=[], trimmed=[]),
             frame=SimpleNamespace(sheets=[SimpleNamespace(fields={"shear_angle": np.zeros(1)})]),
             penetration=NO_PENETRATION,
             model=SimpleNamespace(
-                setup=SimpleNamespace(tools=()), sheets=[SimpleNamespace(name="sheet", added_mass_ratio=0.0)]
+                setup=SimpleNamespace(tools=(), solver=SimpleNamespace(mass_scaling=None)),
+                sheets=[SimpleNamespace(name="sheet", added_mass_ratio=0.0)],
             ),
             info=SimpleNamespace(sheets=[sheet], tools=(), tool_names=(), setup=setup),
         ),

@@ -88,8 +88,9 @@ class Builder:
         strokes = {move.name for stage in job.stage for move in stage.move if move.stroke is not None}
         moving = [k for k, tool in enumerate(job.tool) if tool.stroke is not None]
         moving += [k for k, tool in enumerate(job.tool) if tool.name in strokes]
+        moving += [k for k, tool in enumerate(job.tool) if tool.gaps is not None]
         by_table = dict(zip([tool.name for tool in job.tool], made, strict=True))
-        drawn = {tool.name: -shift for tool, shift in zip(job.tool, self.shifts, strict=True)}
+        drawn = {tool.name: self._back(k) - self.shifts[k] for k, tool in enumerate(job.tool)}
         stages = stages_of(self.file, sheets, by_table, symmetry.share, drawn)
         return Setup(
             job.name,
@@ -218,15 +219,18 @@ class Builder:
             self.file.refuse(["tool", k, "segments"], error)
         return tuple(found)
 
+    def _back(self, k: int) -> float:
+        """How far a tool that moves by gaps starts behind where it is drawn [m]; segments have gaps of their own."""
+        tool = self.file.job.tool[k]
+        return tool.gaps[0] if tool.gaps is not None and tool.segments is None else 0.0
+
     def _tool(self, k: int, share: float) -> Tool:
         tool = self.file.job.tool[k]
         try:
             axis = np.array(axis_of(tool, self.facing[k]), dtype=np.float64)
             shape = self.shapes[k]
-            # a gap counts from where the tool starts; segments have theirs each
-            back = tool.gaps[0] if tool.gaps is not None and tool.segments is None else 0.0
-            if self.shifts[k] != back:
-                shape = shape.placed((self.shifts[k] - back) * axis / np.linalg.norm(axis))
+            if self.shifts[k] != self._back(k):
+                shape = shape.placed((self.shifts[k] - self._back(k)) * axis / np.linalg.norm(axis))
             motion = motion_of(tool, self.shifts[k], share)
             return Tool(
                 tool.name,

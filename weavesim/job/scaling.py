@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from ..engine.setup import Setup
@@ -11,8 +12,12 @@ from .build import setup_of
 from .read import JobFile
 
 
-def scaled_setup_of(file: JobFile) -> Setup:
+def scaled_setup_of(file: JobFile, *, before: Callable[[], object] | None = None) -> Setup:
     """The set-up of a job without a scene, with the mass scaling that it asks for, if it does.
+
+    Args:
+        file: with the job.
+        before: called before a search, which takes runs.
 
     Raises:
         InputError: a bad job, or plies whose meshes cannot be coarser.
@@ -23,6 +28,8 @@ def scaled_setup_of(file: JobFile) -> Setup:
     angle, draw_in = solver.mass_scaling_angle, solver.mass_scaling_draw_in
     if angle is None and draw_in is None:
         return setup
+    if before is not None:
+        before()
     smallest = min(ply.mesh_size for ply in file.job.ply)
 
     def make(mesh_size: float, target_step: float | None) -> Setup:

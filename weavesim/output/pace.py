@@ -11,7 +11,7 @@ LARGEST_SHARE = 0.02
 
 
 class Pace:
-    """Says when to save: at the first frame, about 0.5, 1, 2 and 4 seconds after it, then every five seconds.
+    """Says when to save: at the first frame, about 0.5, 1, 2, 4 and 8 seconds after it, then every five seconds.
 
     Saves that take long become rarer, so that they take less than a fiftieth of the run.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import select
 import signal
@@ -39,12 +40,13 @@ def share(count: int, here: Callable[[int], object], there: Callable[[int], obje
     Returns:
         Which pieces the copy has done.
     """
-    if count < 2 or not can_share():
+    copied = _copied(count, there) if count > 1 and can_share() else None
+    if copied is None:
         for number in range(count):
             here(number)
         return set()
     started = time.monotonic()
-    with _Copy(count, there) as copy:
+    with copied as copy:
         own = set()
         for number in copy.turns():
             own.add(number)
@@ -54,6 +56,14 @@ def share(count: int, here: Callable[[int], object], there: Callable[[int], obje
         if number not in own | found:
             here(number)
     return found
+
+
+def _copied(count: int, do: Callable[[int], object]) -> _Copy | None:
+    """The copy; None where the system has no room for one."""
+    try:
+        return _Copy(count, do)
+    except OSError:
+        return None
 
 
 class _Copy:
@@ -70,13 +80,22 @@ class _Copy:
         os.write(feed, b"".join(number.to_bytes(_SIZE, "big") for number in range(count)))
         os.close(feed)
         self._said, tell = os.pipe()
-        with warnings.catch_warnings():
-            # of Python 3.12, that locks of other threads stay locked: the copy takes none of them
-            warnings.simplefilter("ignore", DeprecationWarning)
-            self._process = os.fork()
-        if self._process == 0:
-            self._work(tell)
-        os.close(tell)
+        # the copy never handles a signal: this process ends it
+        handled = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+        try:
+            with warnings.catch_warnings():
+                # of Python 3.12, that locks of other threads stay locked: the copy takes none of them
+                warnings.simplefilter("ignore", DeprecationWarning)
+                self._process = os.fork()
+            if self._process == 0:
+                self._work(tell)
+        except OSError:
+            os.close(self._queue)
+            os.close(self._said)
+            raise
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, handled)
+            os.close(tell)
 
     def __enter__(self) -> _Copy:
         return self
@@ -97,27 +116,28 @@ class _Copy:
 
     def done(self, patience: float) -> set[int]:
         """Pieces that the copy has done; waits until it has ended, or said nothing for so long [s]."""
-        found = set()
-        while select.select([self._said], [], [], patience)[0] and (number := os.read(self._said, _SIZE)):
+        found, said = set(), select.poll()
+        said.register(self._said, select.POLLIN)
+        while said.poll(1.0e3 * patience) and (number := os.read(self._said, _SIZE)):
             found.add(int.from_bytes(number, "big"))
         return found
 
     def _work(self, tell: int) -> NoReturn:
         """The life of the copy: it has the memory of this process, and neither its files nor its terminal."""
         try:
-            for number in SIGNALS:
-                signal.signal(number, signal.SIG_IGN)  # it is ended by this process
             gc.disable()  # what this process holds on a device is not freed by others
+            logging.disable()
+            # a lock on a file lasts as long as anyone has it open; the numbers stay taken: objects still hold them
             silent = os.open(os.devnull, os.O_WRONLY)
-            for stream in (1, 2):
-                os.dup2(silent, stream)
-            # a lock on a file lasts as long as anyone has it open
-            first, second = sorted((self._queue, tell))
-            for begin, end in ((3, first), (first + 1, second), (second + 1, os.sysconf("SC_OPEN_MAX"))):
-                os.closerange(begin, end)
+            for number in map(int, os.listdir("/proc/self/fd")):
+                if number not in (0, self._queue, tell, silent):
+                    with suppress(OSError):  # that of the listing is closed by now
+                        os.dup2(silent, number)
             for piece in self.turns():
-                with suppress(Exception):
+                try:
                     self._do(piece)
-                    os.write(tell, piece.to_bytes(_SIZE, "big"))
+                except Exception:
+                    continue
+                os.write(tell, piece.to_bytes(_SIZE, "big"))  # fails where the other process has been killed
         finally:
             os._exit(0)

@@ -100,12 +100,14 @@ def _pressed_through(model: Model, state: State) -> Failure | None:
         if each.is_own and depth > limit:
             rows = own.read_rows(each)
             x, y = each.slave.blank.material_coordinates[int((rows["depth"] - rows["entry"]).argmax())]
+            whole = 2.0 if each.place.plane else 1.0  # to its mirror image, whose plane is half-way
             text = (
-                f"sheet {each.slave.name} is pressed {1e3 * depth:.3g} mm into itself after {state.step_count} steps, "
-                f"{state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; {1e3 * limit:.3g} mm, "
-                f"{LARGEST_PLY_PENETRATION:.0%} of the thickness, are allowed, beyond which it might leave on the "
-                f"wrong side: the pressure there is about {depth * each.area_stiffness:.3g} Pa; raise stiffness_share "
-                "of its self_contact, up to 0.2, press less, or move the tools more slowly"
+                f"sheet {each.slave.name} is pressed {1e3 * whole * depth:.3g} mm into itself after "
+                f"{state.step_count} steps, {state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; "
+                f"{1e3 * whole * limit:.3g} mm, {LARGEST_PLY_PENETRATION:.0%} of the thickness, are allowed, beyond "
+                "which it might leave on the wrong side: the pressure there is about "
+                f"{depth * each.area_stiffness:.3g} Pa; raise stiffness_share of its self_contact, up to 0.2, press "
+                "less, or move the tools more slowly"
             )
             return Failure(text, state.time, each.slave.name, (float(x), float(y)))
     return None

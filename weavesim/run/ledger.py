@@ -140,7 +140,7 @@ class Ledger:
     def completed(self, frame: Frame) -> Frame:
         """A frame with the fields that only those of observers have, if it is the last one that was taken.
 
-        Others, such as those of a checkpoint, have them. Waits for the device.
+        Those of a checkpoint have them, or cannot get them any more. Waits for the device.
         """
         if frame is not self._last:
             return frame

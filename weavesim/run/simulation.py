@@ -31,6 +31,11 @@ from .watch.watch import WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
 
+CUT_OFF = (
+    "the run was cut off: its last frame lacks pressures, friction and gaps of the tools and heights of wrinkles; "
+    "write film, report or ParaView files to have them in every frame"
+)
+
 
 class Simulation(PreparedOnce):
     """One run: ``prepare()`` makes it ready, ``run()`` executes it, ``frame`` is the last frame taken.
@@ -71,7 +76,7 @@ class Simulation(PreparedOnce):
         self._frame: Frame | None = None
         self._watch: Watch | None = None
         self._checkpoints: Checkpoints | None = None
-        self._resumes, self._every_field = False, True
+        self._resumes, self._every_field, self._is_whole = False, True, True
         self._started = self._time_before = 0.0
 
     @property
@@ -169,7 +174,8 @@ class Simulation(PreparedOnce):
             observers: of the run.
             checkpoints: where to write some; those of ``resume`` by default.
             every_field: whether an observer reads what is computed for frames alone, such as pressures of the tools; if
-                not, only the last frame has it, and the last of every stage.
+                not, only the last frame has it, and the last of every stage; the last one of a run that is cut off may
+                lack it, which ``warnings`` then tells.
 
         Raises:
             InputError: see ``prepare``.
@@ -212,6 +218,9 @@ class Simulation(PreparedOnce):
                 self._publish(self.prepare().frame, observers, self._every_field, kept=True)
             self.outcome = yield from self._run_frames(observers, interrupted)
             report_new(self.doubts, self.prepare().guards.first, self.warnings)
+            if not self._is_whole:
+                self.warnings.append(CUT_OFF)
+                logger.warning("%s", CUT_OFF)
             if self.failure:
                 logger.info("%s", self.failure)
         self.wall_time = self._time_before + time.perf_counter() - self._started
@@ -297,7 +306,8 @@ class Simulation(PreparedOnce):
 
     def _publish(self, frame: Frame, observers: Sequence[Observer], complete: bool, kept: bool = False) -> None:
         """Show a frame, ``complete`` with every field; ``kept`` if every run of this set-up has it."""
-        self._frame = frame = self.ledger.completed(frame) if complete else frame
+        self._frame, self._is_whole = self.ledger.completed(frame) if complete else frame, complete
+        frame = self._frame
         if kept and self._checkpoints is not None:
             self._checkpoints.add(frame)
         self.stages.keep(frame)

@@ -2,7 +2,9 @@
 
 import fcntl
 import os
+import resource
 import time
+from contextlib import ExitStack
 
 import pytest
 
@@ -76,14 +78,44 @@ def test_an_error_here_leaves_no_copy(tmp_path):
 def test_the_copy_holds_no_file_and_no_lock(tmp_path):
     with open(tmp_path / "lock", "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        names = [f"/proc/{{}}/fd/{file.fileno()}"]
 
         def there(number):
             time.sleep(0.02)
-            (tmp_path / f"{number}").write_text(str(os.path.exists(names[0].format(os.getpid()))))
+            held = os.readlink(f"/proc/self/fd/{file.fileno()}")
+            # a number that objects of this process hold is not given to another file
+            with open(tmp_path / f"{number}", "w") as own:
+                own.write(held if own.fileno() != file.fileno() else "taken")
 
         found = share(8, lambda number: time.sleep(0.05), there)
-    assert found and {(tmp_path / f"{number}").read_text() for number in found} == {"False"}
+    assert found and {(tmp_path / f"{number}").read_text() for number in found} == {os.devnull}
+
+
+def test_without_room_for_a_copy_all_is_done_here(tmp_path, monkeypatch):
+    def no_room():
+        raise BlockingIOError("Resource temporarily unavailable")
+
+    before = os.listdir("/proc/self/fd")
+    monkeypatch.setattr(os, "fork", no_room)
+    found, workers = pieces(tmp_path, 3)
+    assert found == set() and set(workers) == {THIS}
+    assert len(os.listdir("/proc/self/fd")) == len(before)
+
+
+def test_many_open_files_do_not_matter(tmp_path):
+    """More than ``select`` can count."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 1200
+    if hard != resource.RLIM_INFINITY and hard < wanted:
+        pytest.skip("this system allows fewer open files")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
+    try:
+        with ExitStack() as stack:
+            for _ in range(1100):
+                stack.enter_context(open(os.devnull))
+            found, workers = pieces(tmp_path, 6)
+        assert found and len(set(workers)) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 @pytest.mark.parametrize("count", [0, 1])

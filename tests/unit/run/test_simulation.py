@@ -12,6 +12,8 @@ from tests.support.runs import small_run
 from weavesim import Setup, Sheet, Solver
 from weavesim.errors import InputError, RunError
 from weavesim.fabric.presets import glass_polypropylene
+from weavesim.run.diagnosis import Failure
+from weavesim.run.simulation import CUT_OFF
 from weavesim.run.start import prepare
 from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
@@ -138,6 +140,21 @@ def test_what_is_computed_for_frames_alone_is_in_the_last_one_at_least():
     alone = small_run(tools=(plane_at(-0.5 * THICKNESS),), frame_count=3)
     alone.run()
     assert np.array_equal(alone.frame.sheet.fields["tool_gap"], frames[0][-1].sheet.fields["tool_gap"])
+
+
+def test_a_run_that_is_cut_off_says_what_its_last_frame_lacks(monkeypatch):
+    """Its last good frame is known only when it is too late to compute more of it."""
+
+    def fails(model, state, frame):
+        return Failure("it burst", state.time) if frame.index == 1 else None
+
+    monkeypatch.setattr("weavesim.run.simulation.find_failure", fails)
+    for every_field in (True, False):
+        simulation = small_run(tools=(plane_at(-0.5 * THICKNESS),), frame_count=3, duration=3e-4)
+        with pytest.raises(RunError, match="it burst"):
+            simulation.run([Frames()], every_field=every_field)
+        assert ("tool_gap" in simulation.frame.sheet.fields) is every_field
+        assert (CUT_OFF in simulation.warnings) is not every_field
 
 
 def test_notes_say_how_meshes_were_read(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -105,10 +106,13 @@ def run_job(file: JobFile, out: Path, *, overwrite: bool = False, limits: Path |
         options["limits"] = str(limits.absolute())
     how: dict[str, Any] = {"overwrite": overwrite, "options": options, "solver_fields": output.solver_fields}
     folder = ResultFolder(out, writers=writers, **how)
-    setup, interval = scaled_setup_of(file), output.checkpoint_interval
-    return run_into_folder(
-        setup, folder, options=options, checkpoint_interval=interval, stop_on=output.stop_on, reads_frames=False
-    )
+    with ExitStack() as stack:
+        stack.callback(folder.release)
+        setup = scaled_setup_of(file, before=folder.claim)
+        return run_into_folder(
+            setup, folder, options=options, checkpoint_interval=output.checkpoint_interval, stop_on=output.stop_on,
+            reads_frames=False,
+        )  # fmt: skip
 
 
 def options_of(file: JobFile) -> dict[str, Any]:

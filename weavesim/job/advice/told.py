@@ -10,6 +10,8 @@ import numpy as np
 from ...engine.setup import Setup
 from ...process.stages import AtRest
 from ...run.staging.rehearsal import Phase, phases_of
+from ...sheet.blank import Blank
+from ...sheet.symmetry import AXES, Symmetry
 from .damping import FAR_OFF, release_damping, slowest_bending, suggested_damping
 from .speed import KINETIC_SHARE
 
@@ -61,10 +63,9 @@ def damping_rows(setup: Setup) -> Iterator[Row]:
 
 def _damping_to_rest(phase: Phase) -> Iterator[Row]:
     length, sheet = max(
-        ((float(np.ptp(sheet.blank.node_position[:, :2], axis=0).max()), sheet) for sheet in phase.setup.sheets),
+        ((_length(sheet.blank, world.symmetry), sheet) for world in phase.setup.worlds for sheet in world.sheets),
         key=lambda each: each[0],
     )
-    length *= 2.0 if any(world.symmetry.planes for world in phase.setup.worlds) else 1.0
     slowest = slowest_bending(sheet.fabric, length)
     if slowest == 0.0:
         return
@@ -79,6 +80,13 @@ def _damping_to_rest(phase: Phase) -> Iterator[Row]:
         + f"suggested: {suggested:g} 1/s, critical for the slowest bending of the flat sheet, {slowest:.3g} rad/s; a "
         "formed part is stiffer",
     )
+
+
+def _length(blank: Blank, symmetry: Symmetry) -> float:
+    """The longer side of a whole blank, of which symmetry may leave a half or a quarter [m]."""
+    sides = np.ptp(blank.node_position[:, :2], axis=0)
+    sides[[AXES[plane] for plane in symmetry.planes]] *= 2.0
+    return float(sides.max())
 
 
 def _rate(phase: Phase) -> float:

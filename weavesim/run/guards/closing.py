@@ -206,6 +206,8 @@ def smallest_gap(
         pair: indices of the tools among those of the world.
         phases: stages to look at; None for all.
 
+    Returns:
+        The distance [m], when, and where; an infinite one without a place if they act together in no stage.
     """
     distances, own = ToolDistances(start.model), start.model.setup.worlds[world]
     size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)

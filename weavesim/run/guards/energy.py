@@ -24,6 +24,10 @@ SCALED = (
 )
 
 
+# Share of a run from which on its balance of energies may end it.
+FIRST_JUDGED = 0.1
+
+
 class EnergyBalance(LimitGuard):
     """What was supplied is stored or lost."""
 
@@ -35,6 +39,10 @@ class EnergyBalance(LimitGuard):
     largest = 0.05
     level = Level.DO_NOT_USE
     advice = "energy is made or lost, do not use the result; a smaller time step or float64 tells more"
+
+    def so_far(self, run: Judged) -> Iterable[Doubt]:
+        """The same from a tenth of the run on: the first works are small, and errors are weighed against them."""
+        return self.after(run) if run.run.frame.time >= FIRST_JUDGED * run.run.info.duration else ()
 
     def where(self, run: Judged) -> Mapping[str, Any]:
         """When it was largest."""
@@ -97,7 +105,7 @@ class KineticEnergy(_Placed):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """With a scaling of the mass that was found for a stated error, what that error says, and what it does not."""
-        chosen = run.run.setup.solver.mass_scaling
+        chosen = run.run.model.setup.solver.mass_scaling
         for doubt in super().after(run):
             yield replace(doubt, advice=SCALED) if chosen and chosen.target_step else doubt
 
@@ -115,7 +123,6 @@ class HourglassEnergy(_Placed):
 
     name = "hourglass_energy"
     watches = "hourglass over internal energy"
-    lasting = True
     key = "hourglass_energy_ratio"
     energy = "hourglass"
     text = "hourglass over internal energy"
@@ -157,7 +164,7 @@ class AddedMass(LimitGuard):
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """A note where the scaling was found for a stated error."""
-        chosen = run.run.setup.solver.mass_scaling
+        chosen = run.run.model.setup.solver.mass_scaling
         for doubt in super().after(run):
             is_found = chosen and chosen.target_step
             yield replace(doubt, level=Level.NOTE, advice=SCALED) if is_found else doubt

@@ -98,7 +98,9 @@ class BouncingHolder(Guard):
         return self._judged(run, 0.0)
 
     def so_far(self, run: Judged) -> Iterable[Doubt]:
-        """The same, of shares of the whole run: what is beyond a limit now stays so."""
+        """The same of shares of the whole run, which stay beyond a limit; a peak is judged against the largest force
+        that was wanted, which may be to come.
+        """
         return self._judged(run, run.run.info.duration)
 
     def _judged(self, run: Judged, least_time: float) -> Iterable[Doubt]:
@@ -115,7 +117,7 @@ class BouncingHolder(Guard):
             if not met and least_time > 0.0:
                 continue  # it may meet the sheet yet
             idle = watched["idle"][k] / max(time, least_time) if met and time > 0.0 else 1.0
-            peak = watched["peak"][k] / wanted
+            peak = watched["peak"][k] / wanted if least_time == 0.0 else 0.0
             if idle > LARGEST_IDLE or peak > LARGEST_PEAK:
                 impulse = watched["wanted_impulse"][k]
                 share = watched["carried_impulse"][k] / impulse if impulse > 0.0 else 0.0

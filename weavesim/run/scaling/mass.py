@@ -19,6 +19,7 @@ from ..frame import Frame, Outcome
 from ..interruption import Interrupted
 from ..simulation import Simulation
 from ..staging.part import Part
+from ..verdict import Judged
 
 logger = logging.getLogger(__name__)
 
@@ -77,7 +78,7 @@ def choose_mass_scaling(
             speed_up, accepted = factor, False
         else:
             angle, draw_in = _changes(unscaled, scaled.frame)
-            ratio = scaled.summary()["kinetic_energy_ratio"]
+            ratio = Judged(scaled).number("kinetic_energy_ratio")
             speed_up = unscaled.state.step_count / scaled.state.step_count
             accepted = angle <= angle_tolerance and draw_in <= draw_in_tolerance
         tries.append(

@@ -124,6 +124,17 @@ def test_what_cannot_close_is_refused(tmp_path, old, new, message):
         setup_with(tmp_path, (old, new))
 
 
+def test_a_tool_that_moves_by_gaps_closes_to_where_it_is_drawn(tmp_path):
+    """It starts behind that by its first gap."""
+    gaps = ('force = "600 N"', 'gaps = ["1.5 mm", "0.5 mm"]\ntimes = ["0 ms", "10 ms"]')
+    first = ('name = "close"\n', 'name = "close"\nduration = "50 ms"\n')
+    opening = ('name = "open"\n', 'name = "open"\nduration = "40 ms"\n')
+    ring = ('name = "punch"\nstroke = "close"\nspeed = "0.5', 'name = "ring"\nstroke = "close"\nspeed = "0.5')
+    setup = setup_with(tmp_path, gaps, first, opening, ring)
+    # from a gap of 0.5 mm
+    assert setup.stages[2].moves[0].motion.displacements[-1] == pytest.approx(0.5e-3, abs=1e-9)
+
+
 def test_only_whole_tools_close(tmp_path):
     spring = '\n[[spring]]\nname = "corner"\ncorners = true\nstiffness = "1 N/mm"\n'
     move = ('name = "punch"\nstroke = "close"\nspeed = "0.5', 'name = "corner"\nstroke = "close"\nspeed = "0.5')

@@ -191,9 +191,10 @@ def _near_sheets(points: np.ndarray, frame: Frame, names: frozenset[str]) -> np.
     """Whether each point has a node of the sheets about an element away from it, (n,) bool."""
     from scipy.spatial import cKDTree
 
-    nodes = np.concatenate(list(_sheets(frame, names)))
-    nodes = nodes[np.isfinite(nodes).all(axis=1)]
-    tree = cKDTree(nodes)
-    spacing = float(np.median(tree.query(nodes, k=2)[0][:, 1]))
-    near: np.ndarray = tree.query(points)[0] <= 1.5 * spacing
+    near = np.zeros(len(points), dtype=bool)
+    for nodes in _sheets(frame, names):  # each by itself: plies are closer to each other than their nodes
+        nodes = nodes[np.isfinite(nodes).all(axis=1)]
+        tree = cKDTree(nodes)
+        spacing = float(np.median(tree.query(nodes, k=2)[0][:, 1]))
+        near |= tree.query(points)[0] <= 1.5 * spacing
     return near

@@ -1,6 +1,7 @@
 """Tools that run into each other through the sheet while a run goes on, told with place and time."""
 
 import logging
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from tests.support.runs import small_run
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.process.strokes import Fixed, ForceDriven
 from weavesim.run.guards import Level
-from weavesim.run.guards.staging.crossing import ToolsCross
+from weavesim.run.guards.staging.crossing import ToolsCross, _near_sheets
 from weavesim.sheet.blank import Blank
 from weavesim.tools.shapes import Plane, Sphere
 from weavesim.tools.tool import Tool
@@ -56,3 +57,13 @@ def test_it_remembers_what_it_found():
     other.recall(guard.memory())
     (doubt,) = other.after(None)
     assert doubt.time == 0.1 and doubt.value == 3e-3 and "(1, 0, 0) mm" in doubt.text
+
+
+def test_a_point_over_the_middle_of_an_element_is_near_in_a_stack_too():
+    """Plies are closer to each other than their nodes."""
+    nodes = np.array([[x, y, 0.0] for x in (0.0, 5e-3, 1e-2) for y in (0.0, 5e-3, 1e-2)])
+    points = np.array([[2.5e-3, 2.5e-3, 1e-3], [2.5e-3, 2.5e-3, 0.1]])
+    sheets = [SimpleNamespace(name=name, position=nodes + [0.0, 0.0, z]) for name, z in (("a", 0.0), ("b", 3e-4))]
+    for names in ({"a"}, {"b"}, {"a", "b"}):
+        near = _near_sheets(points, SimpleNamespace(sheets=sheets), frozenset(names))
+        assert near.tolist() == [True, False]

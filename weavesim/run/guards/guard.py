@@ -155,7 +155,7 @@ class Guard:
         return ()
 
     def so_far(self, run: Judged) -> Iterable[Doubt]:
-        """Of a ``lasting`` guard: doubts about a run in progress that what follows hardly takes back; by default all."""
+        """Of a ``lasting`` guard: doubts about a run in progress that will hardly be taken back; by default all."""
         return self.after(run)
 
     def memory(self) -> Mapping[str, Any]:

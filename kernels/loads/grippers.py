@@ -38,12 +38,19 @@ class Grips:
 @wp.func
 def moved(grips: Grips, grip: Grip, time: wp.float64):
     """Displacement of the anchor [m], piecewise linear in time and constant beyond its ends."""
-    result = grips.curve_value[grip.first_knot]
-    for k in range(grip.first_knot + 1, grip.first_knot + grip.knot_count):
-        if time > grips.curve_time[k - 1]:
-            width = grips.curve_time[k] - grips.curve_time[k - 1]
-            share = wp.min((time - grips.curve_time[k - 1]) / width, wp.float64(1.0))
-            result = grips.curve_value[k - 1] + share * (grips.curve_value[k] - grips.curve_value[k - 1])
+    before = grip.first_knot
+    after = grip.first_knot + grip.knot_count - 1
+    while after - before > 1:
+        middle = (before + after) // 2
+        if time > grips.curve_time[middle]:
+            before = middle
+        else:
+            after = middle
+    result = grips.curve_value[before]
+    if after > before and time > grips.curve_time[before]:
+        width = grips.curve_time[after] - grips.curve_time[before]
+        share = wp.min((time - grips.curve_time[before]) / width, wp.float64(1.0))
+        result = grips.curve_value[before] + share * (grips.curve_value[after] - grips.curve_value[before])
     return result
 
 

@@ -230,7 +230,7 @@ class ResultFolder:
             for writer in self._writers:
                 writer.attempt(writer.title, partial(writer.conclude, results))
         if self._outcome is not None:
-            stopped_by = {key: numbers[key] for key in ("stopped_by",) if key in numbers}
+            stopped_by = {"stopped_by": numbers["stopped_by"]} if "stopped_by" in numbers else {}
             ending = partial(
                 self._record.finish,
                 outcome=self._outcome.value,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...device import resolve_device
 from ...tools.mesh_features import convex_radii
 from ...tools.mesh_topology import directed_edges, edge_keys
 from ...tools.sampling import DOUBTFUL_ERROR, sampled_distance
@@ -177,7 +178,7 @@ def _errors(axes: Axes, setup: Setup, tool: Tool) -> set[str]:
     for part in tool.shape.parts():
         if part.surface is None:
             continue
-        sampled = sampled_distance(part.surface, setup.solver.device, thinnest, thickest)
+        sampled = sampled_distance(part.surface, str(resolve_device(setup.solver.device)), thinnest, thickest)
         wrong = sampled.worst_points[sampled.worst_errors > DOUBTFUL_ERROR * thinnest]
         if len(wrong):
             points = 1.0e3 * (wrong @ np.array(part.rotation).T + np.array(part.origin))

@@ -267,7 +267,7 @@ def _own(key: str, unit: Unit) -> Unit:
 
 
 def _shear_angles(recorder: FrameRecorder, info: RunInfo) -> Iterator[list[np.ndarray]]:
-    fields = [recorder.fields(k).get("shear_angle") for k in range(len(info.sheets) if recorder.frame_count else 0)]
+    fields = [recorder.field(k, "shear_angle") for k in range(len(info.sheets) if recorder.frame_count else 0)]
     if fields and all(kept is not None for kept in fields):
         for place in range(len(recorder.places)):
             yield [np.abs(np.rad2deg(kept.values[place])) for kept in fields if kept is not None]

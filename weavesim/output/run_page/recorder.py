@@ -133,15 +133,19 @@ class FrameRecorder:
 
     def fields(self, sheet: int) -> dict[str, KeptField]:
         """Fields of a sheet by name; those that every frame has had."""
-        shown, whole = self._shown, [k for k, kept in enumerate(self._shown) if kept.has_others]
-        found, coarse = {}, sum(kept.other_byte_count for kept in shown) > COARSE_BYTES
-        for name in shown[-1].fields[sheet] if shown else ():
-            at = list(range(len(shown))) if name in MAIN_FIELDS else whole
-            values = [shown[k].fields[sheet].get(name) for k in at]
-            if all(value is not None for value in values):
-                stacked = np.stack([value for value in values if value is not None])
-                found[name] = KeptField(at, stacked, coarse and name not in MAIN_FIELDS)
-        return found
+        shown = self._shown
+        names = shown[-1].fields[sheet] if shown else ()
+        return {name: kept for name in names if (kept := self.field(sheet, name)) is not None}
+
+    def field(self, sheet: int, name: str) -> KeptField | None:
+        """One field of a sheet; None if not every frame has had it."""
+        shown, is_main = self._shown, name in MAIN_FIELDS
+        at = [k for k, kept in enumerate(shown) if is_main or kept.has_others]
+        values = [shown[k].fields[sheet].get(name) for k in at]
+        if not values or any(value is None for value in values):
+            return None
+        coarse = not is_main and sum(kept.other_byte_count for kept in shown) > COARSE_BYTES
+        return KeptField(at, np.stack([value for value in values if value is not None]), coarse)
 
     @property
     def _shown(self) -> list[_Kept]:

@@ -1,4 +1,4 @@
-"""What a user should look at in the mesh of a tool: holes, radii that elements do not follow, wrong distances."""
+"""What a user should look at in the mesh of a tool: holes, turned triangles, radii that elements do not follow."""
 
 from __future__ import annotations
 

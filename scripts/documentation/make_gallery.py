@@ -12,12 +12,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -75,6 +77,16 @@ def coloured_share(picture: Image.Image) -> float:
     return float(np.mean(saturation > 50))
 
 
+def told_of(files: Sequence[Path]) -> PngInfo:
+    """What the pictures say of themselves: the texts of them all."""
+    about = PngInfo()
+    for file in files:
+        with Image.open(file) as picture:
+            for name, text in getattr(picture, "text", {}).items():
+                about.add_text(name, text)
+    return about
+
+
 def write(exhibit: Exhibit, folder: Path) -> Path:
     """Write the picture of an exhibit from what its commands left in ``folder``.
 
@@ -90,7 +102,8 @@ def write(exhibit: Exhibit, folder: Path) -> Path:
     if coloured_share(whole) < LEAST_COLOURED:
         raise SystemExit(f"{exhibit.name}: {', '.join(exhibit.sources)} shows next to nothing")
     path = FOLDER / f"{exhibit.name}.png"
-    whole.quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(path, optimize=True)
+    few = whole.quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.save(path, optimize=True, pnginfo=told_of(found))
     return path
 
 

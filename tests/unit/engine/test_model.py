@@ -109,7 +109,7 @@ def test_one_sheet_is_asked_for_only_where_there_is_one():
 
 
 def test_making_a_simulation_costs_nothing(monkeypatch):
-    monkeypatch.setattr("weavesim.run.simulation.prepare", lambda setup: pytest.fail("prepared in the constructor"))
+    monkeypatch.setattr("weavesim.run.start.prepare", lambda setup: pytest.fail("prepared in the constructor"))
     blank = Blank.rectangle((0.0, 0.0), (0.02, 0.02), 0.01)
     Simulation(one_sheet_setup(name="idle", blank=blank, fabric=FABRIC, duration=1.0))
 

@@ -83,14 +83,6 @@ def test_the_middle_leg_of_three_touches_on_both_sides(manual):
     )  # fmt: skip
 
 
-@pytest.mark.slow
-def test_the_ledger_of_three_legs_closes():
-    """At 0.3 m/s; at 0.9 m/s, where the legs ring between each other, 2.6 % are missing, at a half of the step too."""
-    run, record = run_with_record(pressed_fold(2.0 * THICKNESS, legs=3, duration=0.03))
-    last = run.history[-1]
-    assert record.total == 0 and abs(last["balance_error"]) < 0.01 * last["supplied"]
-
-
 def test_turns_of_a_roll_meet_back_to_face(manual):
     """The outer turn of a spiral is thrown inwards: it stops on the inner one, and momentum is kept."""
     gap, radius = 1.5 * THICKNESS, 10.0 * THICKNESS

@@ -212,6 +212,7 @@ class Simulation(PreparedOnce):
             if self._resumes and self._checkpoints is not None:
                 for frame in self._checkpoints.frames():
                     self._publish(frame, observers, complete=False)
+                self._is_whole = True  # nothing more can be known of them
             else:
                 if self._checkpoints is not None:
                     self._checkpoints.begin(self._checkpoints.job or Job(self.setup, self.info.run_id))

@@ -64,6 +64,7 @@ def whole(tmp_path_factory):
     folder, frames, simulation = tmp_path_factory.mktemp("flap"), Frames(), Simulation(setup())
     results = ResultFolder(folder, overwrite=True)
     assert simulation.run([frames, results]) is Outcome.FINISHED
+    results.write({})
     return simulation, frames.all, folder
 
 

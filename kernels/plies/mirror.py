@@ -81,10 +81,14 @@ def watch_mirror_kernel(real: type, lane_count: int):
         left = height_of(mirror, block) - lanes(mirror.distance)
         left = where_positive(stray, lanes(real(UNSOUGHT)), left)
         way = -lane_maximum(-left) - real(watch.entry[PassEntry.reach])
-        pushed = lane_maximum(record.rows[PlyRow.push, block])
+        push, depth = record.rows[PlyRow.push, block], record.rows[PlyRow.depth, block]
+        pushed = lane_maximum(push)
         record.rows[PlyRow.stray, block] = stray
         record.way[block] = wp.where(pushed > real(0.0), real(0.0), wp.max(way, real(0.0)))
-        watch.deepest[block] = lane_maximum(record.rows[PlyRow.depth, block] - record.rows[PlyRow.entry, block])
+        watch.deepest[block] = lane_maximum(depth - record.rows[PlyRow.entry, block])
+        # a block may sleep from now on: when a node that turns away, and does not push, is back, its contact begins
+        gone = where_positive(push, depth, lanes(real(NO_DEPTH)))
+        record.rows[PlyRow.depth, block] = where_positive(stray, gone, depth)
 
     return watch_mirror
 

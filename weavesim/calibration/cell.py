@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError, did_you_mean
+from ..errors import InputError, did_you_mean, logged_from
 from ..fabric.cell import LinearMembrane, UnitCell
 from ..fabric.cell.weaves import CrossedYarns
 from ..fabric.curve import noise
@@ -49,7 +48,8 @@ class CellModel:
         from ..fabric.response import respond
 
         count = len(strain)
-        with quiet():
+        # no warnings about cells that a fit tries on its way
+        with logged_from(logging.ERROR, "weavesim.fabric.response"):
             cells: list[UnitCell | None] = []
             for values in sets:
                 try:
@@ -72,18 +72,6 @@ class CellModel:
     def predict(self, sets: np.ndarray) -> np.ndarray:
         """Both forces of every row, (s, 2 n)."""
         return self.forces(sets, self.strain).reshape(len(sets), -1)
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """No warnings about cells that a fit tries on its way."""
-    logger = logging.getLogger("weavesim.fabric.response")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
 
 
 def cell_problem(

@@ -130,7 +130,8 @@ class Model:
         contact = self.contacts[place.interface]
         ratio = _damping_ratio(contact, self.sheets[place.slave])
         slave, master = tables[place.slave], tables[place.master]
-        if place.plane and isinstance(contact, SelfContact):
+        if place.plane:
+            assert isinstance(contact, SelfContact)
             return MirrorModel(place, contact, slave, ratio, self.reference_step)
         return PassModel(place, contact, slave, master, ratio, self.reference_step)
 

@@ -56,8 +56,9 @@ class Symmetry(Parameters):
         return tuple(product(along_x, along_y))
 
     def mirrored(self, points: np.ndarray) -> np.ndarray:
-        """``points`` (k, ..., 3) of the computed part and of all its copies, (copy_count k, ..., 3)."""
-        return np.concatenate([points * np.array([*factors, 1.0]) for factors in self.mirror_factors])
+        """``points`` (k, ..., 3) of the computed part and of all copies, (copy_count k, ..., 3), as precise."""
+        factors = np.array([[*signs, 1.0] for signs in self.mirror_factors], dtype=points.dtype)
+        return np.concatenate([points * signs for signs in factors])
 
     def hold(self, blank: Blank, free: np.ndarray) -> np.ndarray:
         """``free`` (node_count, 6) with symmetry constraints: nodes stay on their plane, directors rotate within it.

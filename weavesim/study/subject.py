@@ -8,12 +8,12 @@ import logging
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ..errors import InputError, RunError
+from ..errors import InputError, RunError, logged_from
 from ..output.files import plain
 from .factors import Factor
 from .plans.trials import Trial
@@ -83,16 +83,9 @@ def compute(task: Task) -> Found:
     )  # fmt: skip
 
 
-@contextmanager
-def quiet() -> Iterator[None]:
+def quiet() -> AbstractContextManager[None]:
     """What each run says is in the table; a thousand of them would hide the progress."""
-    log = logging.getLogger("weavesim")
-    level = log.level
-    log.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        log.setLevel(level)
+    return logged_from(logging.CRITICAL)
 
 
 def digest(*parts: object) -> str:

@@ -6,6 +6,9 @@ import pytest
 from tests.support.folded_strips import bent_strip, zigzag
 from tests.support.stacked_plies import FABRIC, THICKNESS, nodal_areas, pass_rows
 from weavesim import Dynamics, NodalLoads, SelfContact, Setup, Sheet, Simulation, Solver
+from weavesim.engine.plies.ply_launches import PlyLaunches
+from weavesim.kernels.plies.data import NO_DEPTH
+from weavesim.kernels.rows import PlyRow
 from weavesim.process import Coulomb
 from weavesim.sheet.blank import Blank
 
@@ -94,6 +97,34 @@ def test_a_fold_that_closes_on_a_symmetry_plane_meets_its_image(manual):
 
 def test_half_a_fold_closes_as_the_whole():
     compared(3.0)
+
+
+def test_a_node_that_turned_away_begins_its_contact_anew():
+    """Its block may sleep before it is met again; a spring that still pushes is released there, and booked."""
+    sheet = Sheet(hairpin(2.0 * THICKNESS, False), FABRIC, self_contact=SelfContact(Coulomb(0.0)))
+    setup = Setup("hairpin", sheets=(sheet,), symmetry=("x",), duration=1e-6, accept_unusual=True)
+    run = Simulation(setup)
+    model, state = run.model, run.state
+    places = [k for k, each in enumerate(model.passes) if each.place.plane]
+    count = model.sheet.blank.node_count
+    push = np.where(np.arange(model.sheet.node_count) % 3 == 0, 1.0e-3, 0.0)
+    for k in places:
+        rows = model.passes[k].rows.read(state.passes[k].rows)
+        rows[PlyRow.depth], rows[PlyRow.push] = 0.1 * THICKNESS, push
+        state.passes[k].rows.assign(model.passes[k].rows.flat(rows))
+    plies = PlyLaunches(model, state)
+    plies.watch_speeds()
+    for _ in plies.search():
+        pass
+    turned = 0
+    for k in places:
+        rows = state.passes[k].read_rows(model.passes[k])
+        gone = (rows["stray"] > 0.0) & (push[:count] == 0.0)
+        assert (rows["depth"][gone] == NO_DEPTH).all()
+        assert rows["depth"][~gone] == pytest.approx(0.1 * THICKNESS)
+        turned += int(gone.sum())
+    # of the outer face all nodes, of the inner one some
+    assert count / 2 < turned < 4 * count / 3
 
 
 def test_the_same_bits_for_any_number_of_threads():

@@ -40,16 +40,19 @@ def damping_rows(setup: Setup) -> Iterator[Row]:
     """The damping while tools move, and that of every stage that is to come to rest, beside what is suggested."""
     phases = phases_of(setup)
     forming = [phase for phase in phases if not isinstance(phase.end_by, AtRest)]
-    if forming:
-        time = sum(phase.end - phase.begin for phase in forming)
+    time = sum(phase.end - phase.begin for phase in forming)
+    stages: dict[float, list[str]] = {}
+    for phase in forming:
+        stages.setdefault(_rate(phase), []).append(phase.name)
+    for given, names in stages.items():
         suggested = suggested_damping(time)
         most = 2.0 * suggested * time * KINETIC_SHARE
-        given = _rate(forming[0])
         far = given < suggested / FAR_OFF or given > suggested * FAR_OFF
         slow = "vibrations last for the whole run" if given < suggested else "it holds back what moves slowly"
+        alone = "of nodes" if len(phases) == 1 else "while tools move"
         yield Row(
             "damping",
-            "of nodes" if len(phases) == 1 else "while tools move",
+            alone if len(stages) == 1 else f"in {', '.join(names)}",
             f"{given:g} 1/s",
             LOOK if far else OK,
             (f"{slow}; " if far else "")

@@ -46,7 +46,6 @@ class SheetFiles:
         self.name, self._place, self._shift, self._several = info.name, place, shift, several
         self._diagnostics = diagnostics
         self._copies = len(self._symmetry.mirror_factors)
-        self._factors = np.array([(*factors, 1.0) for factors in self._symmetry.mirror_factors], dtype=np.float32)
         self._info = info
         self._see(Part(info, np.zeros(0, dtype=bool)))
 
@@ -97,8 +96,7 @@ class SheetFiles:
 
     def _mirrored(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors (n, 3) of all copies in single precision; signs change no digit, so rounding comes first."""
-        single = vectors.astype(np.float32)
-        return np.concatenate([single * factors for factors in self._factors])
+        return self._symmetry.mirrored(vectors.astype(np.float32))
 
     def write_final(self, frame: SheetFrame, file: str) -> None:
         """Write the computed part in double precision, with everything that is known of it."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..colours import LARGEST_SHOWN_ANGLE
-from .style import FAINT, INK, colour_map, fitting_height, new_axes, new_figure
+from .style import FAINT, INK, colour_map, fitting_height, new_axes, new_figure, ratio_of
 from .surface import OBLIQUE, draw_elements, scaled_colours, signed_colours, view
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def net_picture(drape: KinematicDrape) -> Figure:
     _, screen = view(OBLIQUE)
     whole = drape.sheet.symmetry.mirrored(drape.sheet.position) @ screen
     net_points = drape.net.position[np.isfinite(drape.net.position).all(axis=-1)] @ screen
-    ratios = [_ratio(points) for points in (whole, net_points, whole)]
+    ratios = [ratio_of(points) for points in (whole, net_points, whole)]
     figure = new_figure(16.0, fitting_height(16.0, ratios, 1.2))
     grid = figure.add_gridspec(1, 3, width_ratios=[1.0 / ratio for ratio in ratios])
     formed, net, difference = (
@@ -45,12 +45,6 @@ def net_picture(drape: KinematicDrape) -> Figure:
     text = "Difference [degrees]; grey where the net does not reach"
     add_bar(figure, [difference], text, "coolwarm", -_SHOWN_DIFFERENCE, _SHOWN_DIFFERENCE)
     return figure
-
-
-def _ratio(points: np.ndarray) -> float:
-    """Height over width of points on the screen, (n, 2)."""
-    width, height = np.ptp(points, axis=0)
-    return float(np.clip(height / width, 0.15, 6.0))
 
 
 def _draw_net(axes: Axes, drape: KinematicDrape) -> None:

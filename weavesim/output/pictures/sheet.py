@@ -10,7 +10,7 @@ from ...measures.border import MaterialLine, whole_outline
 from ...measures.findings import FormedSheet
 from ...sheet.symmetry import Symmetry
 from ..colours import LARGEST_SHOWN_ANGLE
-from .style import INK, colour_map, fitting_height, new_axes, new_figure
+from .style import INK, colour_map, fitting_height, new_axes, new_figure, ratio_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,8 +38,7 @@ def formed_sheet(sheet: FormedSheet) -> Figure:
     turned = float(border.mean()) > float(position[:, 2].mean())  # a bowl is easier to see as a dome
     turn = np.array([1.0, -1.0, -1.0] if turned else [1.0, 1.0, 1.0])
     views = (("Formed sheet" + (", turned over" if turned else ""), OBLIQUE, turn), ("From above", PLAN, np.ones(3)))
-    sizes = [np.ptp((corners * flip).reshape(-1, 3) @ projection(direction)[2], axis=0) for _, direction, flip in views]
-    ratios = [float(np.clip(height / width, 0.15, 6.0)) for width, height in sizes]
+    ratios = [ratio_of((corners * flip) @ projection(direction)[2]) for _, direction, flip in views]
     figure = new_figure(13.0, fitting_height(13.0, ratios, 1.5))
     grid = figure.add_gridspec(1, 2, width_ratios=[1.0 / ratio for ratio in ratios])
     axes = []

@@ -11,6 +11,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..colours import DISTINCT_COLOURS, colour_table, encoded
 from ..files import replacing
 
@@ -197,6 +199,12 @@ def colour_map() -> Any:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(encoded(colour_table()), name="shear angle")
+
+
+def ratio_of(points: np.ndarray) -> float:
+    """Height over width of what is drawn at points on the screen, (..., 2), within what a picture can show."""
+    width, height = np.ptp(points.reshape(-1, 2), axis=0)
+    return float(np.clip(height / width, 0.15, 6.0))
 
 
 def fitting_height(width: float, ratios: Sequence[float], further: float = 0.0) -> float:

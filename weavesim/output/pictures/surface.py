@@ -13,7 +13,7 @@ from ...run.frame import Frame, RunInfo
 from ...run.staging.part import part_of
 from ...sheet.topology import area_percentile, flat_areas
 from .sheet import OBLIQUE, PLAN, formed_sheet, projection
-from .style import INK, colour_map, fitting_height, new_axes, new_figure
+from .style import INK, colour_map, fitting_height, new_axes, new_figure, ratio_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -129,8 +129,7 @@ def field_picture(sheet: FormedSheet, field: Field) -> Figure:
     turned = float(border.mean()) > float(sheet.position[:, 2].mean())
     oblique = (OBLIQUE[0], -OBLIQUE[1]) if turned else OBLIQUE
     corners = sheet.symmetry.mirrored(sheet.position).reshape(-1, 3)
-    sizes = [np.ptp(corners @ projection(direction)[2], axis=0) for direction in (oblique, PLAN)]
-    ratios = [float(np.clip(height / width, 0.15, 6.0)) for width, height in sizes]
+    ratios = [ratio_of(corners @ projection(direction)[2]) for direction in (oblique, PLAN)]
     figure = new_figure(13.0, fitting_height(13.0, ratios, 1.5))
     grid = figure.add_gridspec(1, 2, width_ratios=[1.0 / ratio for ratio in ratios])
     colours = scaled_colours(values - low, high - low)

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from ...errors import logged_from
 from ...measures.fabric_curves import CurveSet, bending_curves, shear_curves, tension_curves, thickness_curves
 from ...measures.fabric_table import rows_of, summary_of
 from .packing import rounded
@@ -54,14 +55,9 @@ def _curves(fabric: Fabric) -> list[CurveSet]:
     from ...fabric.response import responds_at_once
 
     # which ends of ranges a band leaves out is no news of the run
-    logger = logging.getLogger("weavesim.measures.fabric_curves")
-    level = logger.level
-    logger.setLevel(logging.WARNING)
-    try:
+    with logged_from(logging.WARNING, "weavesim.measures.fabric_curves"):
         tension = [tension_curves(fabric)] if responds_at_once(fabric.unit_cell) else []
         return [shear_curves(fabric), *tension, bending_curves(fabric), *thickness_curves(fabric)]
-    finally:
-        logger.setLevel(level)
 
 
 def _chart(curves: CurveSet) -> dict[str, Any]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import logging
 import signal
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...engine.model import Model
 from ...engine.setup import Setup
-from ...errors import InputError, RunError
+from ...errors import InputError, RunError, logged_from
 from ...measures.border import outline
 from ...process.scaling.mass import KEPT_SHARE, MassScaling, ScalingTry
 from ...quantities import positive
@@ -129,23 +128,11 @@ def _check_coarsened(own: Setup, coarse: Setup) -> None:
 def _run(setup: Setup) -> Simulation:
     """A finished run, for its numbers alone: what its guards say is not the user's run."""
     simulation = Simulation(setup)
-    with _unheard_guards():
+    with logged_from(logging.ERROR, "weavesim.run.guards"):
         outcome = simulation.run()
     if outcome is Outcome.INTERRUPTED:
         raise Interrupted(signal.Signals[simulation.interrupted_by]) if simulation.interrupted_by else KeyboardInterrupt
     return simulation
-
-
-@contextmanager
-def _unheard_guards() -> Iterator[None]:
-    """Guards log no warnings."""
-    guards = logging.getLogger("weavesim.run.guards")
-    level = guards.level
-    guards.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        guards.setLevel(level)
 
 
 def _finite(value: float | None) -> float | None:

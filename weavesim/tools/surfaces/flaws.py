@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +76,7 @@ def sharper_than(surface: MeshSurface, radius: float) -> SharpPart | None:
     """Where convex radii are below ``radius`` [m]; None if nowhere."""
     found = convex_radii(surface.vertices, surface.faces)
     below = found < radius
-    if not np.any(below) or not math.isfinite(radius):
+    if not np.any(below):
         return None
     area = face_normals(surface.vertices, surface.faces)[1]
     return SharpPart(

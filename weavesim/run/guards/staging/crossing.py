@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...watch.remembered import geometry_key, remembered
 from ...watch.tool_distance import ToolDistances
 from ..closing import on_both_sides, surface_of, tool_error
 from ..guard import Doubt, Guard, Level, Start
@@ -97,16 +98,21 @@ class ToolsCross(Guard):
         self._pairs, first = [], 0
         self._distances = distances = ToolDistances(start.model)
         size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
+        surfaces: dict[int, np.ndarray] = {}
         for world in start.model.setup.worlds:
             names = frozenset(sheet.name for sheet in world.sheets)
+            nodes = np.concatenate([sheet.blank.node_position for sheet in world.sheets])
             for a, b in combinations(range(len(world.tools)), 2):
                 indices = (first + a, first + b)
                 if not _is_open(start, indices) or not on_both_sides(start, world, first, a, b):
                     continue
                 tools = (world.tools[a], world.tools[b])
-                points = [surface_of(distances, k, start.model.setup.tools[k], EVERYWHERE, size) for k in indices]
-                if all(map(len, points)):
-                    one, other = (each[:: max(1, -(-len(each) // LARGEST_POINT_COUNT))] for each in points)
+                for k in indices:
+                    if k not in surfaces:
+                        where = EVERYWHERE if _is_carried(start, k) else nodes
+                        surfaces[k] = _surface(start, distances, k, where, size)
+                one, other = (surfaces[k] for k in indices)
+                if len(one) and len(other):
                     self._pairs.append(_Pair(tools, indices, (one, other), tool_error(start, tools), names))
             first += len(world.tools)
         return ()
@@ -167,6 +173,23 @@ class ToolsCross(Guard):
             time=float(found["time"]),
             value=float(found["depth"]),
         )
+
+
+def _surface(start: Start, distances: ToolDistances, index: int, where: np.ndarray, size: float) -> np.ndarray:
+    """Points on the surface of a tool, as drawn, within the plan of ``where`` (k, 3) [m], (n, 3) [m]."""
+    tool = start.model.setup.tools[index]
+    key = geometry_key(start.model, (tool,))
+
+    def find() -> np.ndarray:
+        points = surface_of(distances, index, tool, where, size)
+        return points[:: max(1, -(-len(points) // LARGEST_POINT_COUNT))]
+
+    return remembered(None if key is None else ("surface", where is EVERYWHERE, *key), find)
+
+
+def _is_carried(start: Start, index: int) -> bool:
+    """Whether a tool is carried in any stage, so that what is beside the blank may come over it."""
+    return any(phase.setup.tools[index].motion.is_carried for phase in start.phases)
 
 
 def _is_open(start: Start, indices: tuple[int, int]) -> bool:

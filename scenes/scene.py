@@ -114,12 +114,7 @@ class Scene:
             RunError: the coarse run without scaling had to stop.
         """
         from weavesim.errors import InputError
-        from weavesim.run.scaling.mass import (
-            ANGLE_TOLERANCE,
-            DRAW_IN_TOLERANCE,
-            choose_mass_scaling,
-            with_mass_scaling,
-        )
+        from weavesim.run.scaling.mass import choose_mass_scaling, with_mass_scaling
 
         def make(mesh_size: float, target_step: float | None) -> Setup:
             own = {"mass_scaling_angle": None, "mass_scaling_draw_in": None, "strict": False, "limits": None}
@@ -132,14 +127,8 @@ class Scene:
                     f"a mass scaling is sought on elements of {1e3 * mesh_size:.4g} mm, which is refused: {error}"
                 ) from None
 
-        tolerances = parameters.tolerances or {}
-        found = choose_mass_scaling(
-            make,
-            parameters.mesh_size,
-            angle_tolerance=tolerances.get("angle_tolerance", ANGLE_TOLERANCE),
-            draw_in_tolerance=tolerances.get("draw_in_tolerance", DRAW_IN_TOLERANCE),
-        )
-        return with_mass_scaling(setup, found)
+        assert parameters.tolerances is not None
+        return with_mass_scaling(setup, choose_mass_scaling(make, parameters.mesh_size, **parameters.tolerances))
 
     def _job(self, parameters: RunOptions, case: str, setup: Setup, order: int) -> Job:
         from weavesim.run.checkpoint.job import Job

@@ -12,6 +12,7 @@ from ..checks import NotNegative, Parameters, Positive, as_typed
 from ..device import LARGEST_THREAD_COUNT, Precision
 from ..engine.setup import Solver
 from ..output.writer import chosen_writers, known_writers
+from ..process.scaling.mass import Tolerances, tolerances_of
 from ..ranges import Quantity, check_usual
 from ..run.checkpoint.pace import INTERVAL
 from ..run.estimate import BYTES_PER_ELEMENT
@@ -182,7 +183,7 @@ class RunOptions(Parameters):
         return tuple(kind.name for kind in chosen_writers(_names(self.write), _names(self.without) or ()))
 
     @property
-    def tolerances(self) -> dict[str, float] | None:
+    def tolerances(self) -> Tolerances | None:
         """What a mass scaling has to keep, for ``choose_mass_scaling``; None if none is sought."""
         return tolerances_of(self.mass_scaling_angle, self.mass_scaling_draw_in)
 
@@ -197,13 +198,6 @@ class RunOptions(Parameters):
             device=self.device, precision=self.precision, threads=self.threads, time_step=self.time_step,
             target_step=self.target_step, **given,
         )  # fmt: skip
-
-
-def tolerances_of(angle: float | None, draw_in: float | None) -> dict[str, float] | None:
-    """Tolerances of a mass scaling [degrees], [m], of which one may be left out; None without any."""
-    given = {"angle_tolerance": angle, "draw_in_tolerance": draw_in}
-    found = {name: value for name, value in given.items() if value is not None}
-    return found or None
 
 
 def _names(value: str | None) -> list[str] | None:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from ..engine.setup import Setup
 from ..errors import InputError
-from ..run.scaling.mass import ANGLE_TOLERANCE, DRAW_IN_TOLERANCE, choose_mass_scaling, with_mass_scaling
+from ..process.scaling.mass import tolerances_of
+from ..run.scaling.mass import choose_mass_scaling, with_mass_scaling
 from .build import setup_of
 from .read import JobFile
 
@@ -25,8 +26,8 @@ def scaled_setup_of(file: JobFile, *, before: Callable[[], object] | None = None
         KeyboardInterrupt: a signal ended the search.
     """
     setup, solver = setup_of(file), file.job.solver
-    angle, draw_in = solver.mass_scaling_angle, solver.mass_scaling_draw_in
-    if angle is None and draw_in is None:
+    tolerances = tolerances_of(solver.mass_scaling_angle, solver.mass_scaling_draw_in)
+    if tolerances is None:
         return setup
     if before is not None:
         before()
@@ -38,14 +39,9 @@ def scaled_setup_of(file: JobFile, *, before: Callable[[], object] | None = None
         other = setup_of(replace(file, job=file.job.model_copy(update={"ply": plies}))) if share != 1.0 else setup
         return other.model_copy(update={"solver": other.solver.model_copy(update={"target_step": target_step})})
 
-    key = "mass_scaling_draw_in" if angle is None else "mass_scaling_angle"
+    key = "mass_scaling_draw_in" if solver.mass_scaling_angle is None else "mass_scaling_angle"
     try:
-        found = choose_mass_scaling(
-            make,
-            smallest,
-            angle_tolerance=ANGLE_TOLERANCE if angle is None else angle,
-            draw_in_tolerance=DRAW_IN_TOLERANCE if draw_in is None else draw_in,
-        )
+        found = choose_mass_scaling(make, smallest, **tolerances)
     except InputError as error:
         file.refuse(["solver", key], f"{key}: {error}")
     return with_mass_scaling(setup, found)

@@ -131,7 +131,7 @@ def test_a_scene_in_a_job_takes_the_tolerances(tmp_path):
     path = tmp_path / "dome.toml"
     path.write_text('[scene]\nname = "double-dome"\n[solver]\nmass_scaling_angle = "0.5 deg"\n')
     _, parameters = scene_of(read_job(path), out=tmp_path / "out")
-    assert parameters.tolerances == {"angle_tolerance": 0.5}
+    assert parameters.tolerances == {"angle_tolerance": 0.5, "draw_in_tolerance": 0.5e-3}
     path.write_text('[scene]\nname = "double-dome"\nmass_scaling_angle = 0.5\n')
     with pytest.raises(InputError, match=r"mass_scaling_angle: write it in \[solver\]"):
         scene_of(read_job(path), out=tmp_path / "out")

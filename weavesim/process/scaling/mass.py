@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 from pydantic import Field
 
@@ -11,6 +11,25 @@ from ...ranges import Quantity
 
 # Share of the elements whose angles keep the tolerance.
 KEPT_SHARE = 0.95
+# Tolerances of the shear angles [degrees], and of the border [m].
+ANGLE_TOLERANCE, DRAW_IN_TOLERANCE = 0.5, 0.5e-3
+
+
+class Tolerances(TypedDict):
+    """What a mass scaling has to keep, as arguments of ``choose_mass_scaling``."""
+
+    angle_tolerance: float
+    draw_in_tolerance: float
+
+
+def tolerances_of(angle: float | None, draw_in: float | None) -> Tolerances | None:
+    """Tolerances [degrees], [m]: the usual one for one that is not given; None if neither is."""
+    if angle is None and draw_in is None:
+        return None
+    return {
+        "angle_tolerance": ANGLE_TOLERANCE if angle is None else angle,
+        "draw_in_tolerance": DRAW_IN_TOLERANCE if draw_in is None else draw_in,
+    }
 
 
 class ScalingTry(Parameters):

@@ -12,7 +12,7 @@ from ...engine.model import Model
 from ...engine.setup import Setup
 from ...errors import InputError, RunError, logged_from
 from ...measures.border import outline
-from ...process.scaling.mass import KEPT_SHARE, MassScaling, ScalingTry
+from ...process.scaling.mass import ANGLE_TOLERANCE, DRAW_IN_TOLERANCE, KEPT_SHARE, MassScaling, ScalingTry
 from ...quantities import positive
 from ..frame import Frame, Outcome
 from ..interruption import Interrupted
@@ -26,8 +26,6 @@ logger = logging.getLogger(__name__)
 COARSENING = 1.5
 # Factors of the time step that are tried, until one changes too much.
 FACTORS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
-# Tolerances of the shear angles [degrees], and of the border [m].
-ANGLE_TOLERANCE, DRAW_IN_TOLERANCE = 0.5, 0.5e-3
 
 # (mesh size [m], target step [s] or None for no scaling) -> the set-up.
 Make = Callable[[float, float | None], Setup]

@@ -81,11 +81,12 @@ const PAPER_WIDTH = 335;
 
 window.addEventListener("beforeprint", () => {
   for (const details of document.querySelectorAll("details")) details.open = true;
-  weavesim.page?.view.drawNow();
+  weavesim.page?.view.startPaper();
   for (const box of document.querySelectorAll(".chart")) box.plot?.setSize({ width: PAPER_WIDTH, height: box.plot.height });
 });
 
 window.addEventListener("afterprint", () => {
+  weavesim.page?.view.endPaper();
   for (const box of document.querySelectorAll(".chart")) box.plot?.setSize({ width: box.clientWidth, height: box.plot.height });
 });
 

@@ -3,6 +3,9 @@
 // Of all tools until the reader moves the slider: the part is seen through those above it.
 weavesim.TOOL_OPACITY = 0.25;
 
+// Where it stands on A4 [pixels of the page]: the width between the margins, the height of the style sheet.
+const ON_PAPER = [703, 397];
+
 weavesim.View = class {
   constructor(canvas) {
     THREE.ColorManagement.enabled = false;
@@ -35,6 +38,7 @@ weavesim.View = class {
     this.sheets = [];
     this.tools = [];
     this.asked = false;
+    this.paper = null;
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(canvas.parentElement);
   }
@@ -42,6 +46,7 @@ weavesim.View = class {
   // Lets go of the canvas and of what is drawn: a page in progress makes a new view whenever it is renewed.
   dispose() {
     this.observer.disconnect();
+    this.paper?.remove();
     this.controls.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
@@ -199,9 +204,10 @@ weavesim.View = class {
   }
 
   resize() {
-    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    const [width, height] = this.paper === null ? [clientWidth, clientHeight] : ON_PAPER;
     if (width === 0 || height === 0 || !this.reach) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.paper === null ? Math.min(window.devicePixelRatio, 2) : 2);
     this.renderer.setSize(width, height, false);
     const [across, up] = this.reach;
     const half = Math.max(up, (across * height) / width);
@@ -227,6 +233,28 @@ weavesim.View = class {
     const pixel = (this.camera.top - this.camera.bottom) / (this.camera.zoom * (this.canvas.clientHeight || 1));
     this.pin.scale.setScalar(5 * pixel);
     this.renderer.render(this.scene, this.camera);
+    if (this.paper !== null) this.copyTo(this.paper);
+  }
+
+  // Paper takes what the screen showed last, which may be the picture before: it gets a copy that waits for nothing.
+  startPaper() {
+    this.paper?.remove();
+    this.paper = document.createElement("canvas");
+    this.paper.className = "paper";
+    this.canvas.after(this.paper);
+    this.resize();
+  }
+
+  endPaper() {
+    if (this.paper === null) return;
+    this.paper.remove();
+    this.paper = null;
+    this.resize();
+  }
+
+  copyTo(paper) {
+    [paper.width, paper.height] = [this.canvas.width, this.canvas.height];
+    paper.getContext("2d").drawImage(this.canvas, 0, 0);
   }
 
   // The plane of the cut: all materials share one list of planes.

@@ -308,6 +308,7 @@ class PassEntry(Rows):
     stray_count = "1", "nodes that have found a foot at this update"
     late = "1", "1 if a node has ever left the facets on which it was listed: a contact may have been missed"
     deepest = "m", "deepest penetration so far that makes a force, at an update"
+    watched = "1", "0 while every block of nodes sleeps, far from the facets"
 
 
 class LoadRow(Rows):

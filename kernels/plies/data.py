@@ -5,11 +5,18 @@ from functools import cache
 import warp as wp
 
 from ..contact.friction import friction_law_struct
-from ..lanes import lane_types
+from ..lanes import GPU_LANE_COUNT, lane_types
 from .facet import facets_struct
 
+# Blocks of a call on a CPU: a call on one block that sleeps would cost more than the look at it.
+_BLOCKS_PER_CALL = 16
 # Penetration of a node that has no foot [m].
 NO_DEPTH = wp.constant(-1000.0)
+
+
+def blocks_per_call(lane_count: int) -> int:
+    """Consecutive blocks that one thread of a launch does: one on a GPU."""
+    return 1 if lane_count == GPU_LANE_COUNT else _BLOCKS_PER_CALL
 
 
 @cache

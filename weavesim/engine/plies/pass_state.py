@@ -62,6 +62,7 @@ class PassState:
             return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=device)
 
         entry = np.zeros(PassEntry.row_count())
+        entry[PassEntry.watched] = 1.0
         return cls(
             facet=integers(facet),
             standing=integers(np.full(node_count, -1)),

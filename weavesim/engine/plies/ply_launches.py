@@ -40,7 +40,7 @@ class PlyLaunches:
             wp.zeros(group_count(each.shape[0]), dtype=each.dtype, device=each.device) for each in speeds
         ]
         self._normals = {
-            index: NormalLaunch(model.sheets[index], state.sheets[index].motion, self._awake(index))
+            index: NormalLaunch(model.sheets[index], state.sheets[index].motion, state.sheets[index].awake)
             for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
@@ -57,13 +57,6 @@ class PlyLaunches:
             for index, each in enumerate(model.passes)
             if each.place.slot == 0
         }
-
-    def _awake(self, index: int) -> wp.array:
-        """Whether the normals of a sheet are needed: with other plies always, within it where a node is near enough."""
-        sheets = (place for each in self._model.passes for place in (each.place,) if not each.is_own)
-        if any(index in (place.slave, place.master) for place in sheets):
-            return wp.ones(1, dtype=wp.int32, device=self._model.device)
-        return self._state.sheets[index].awake
 
     def __bool__(self) -> bool:
         return bool(self._passes)
@@ -118,10 +111,11 @@ class PlyLaunches:
             groups = own.node_group_count, own.facet_group_count
             own.bound(*(chunks(count, thread_count)[thread] for count in groups))
         yield
-        if self._own:
-            for own in self._own.values():
-                own.seek(*chunks(own.node_group_count, thread_count)[thread])
-            yield
+        for each in self._passes:
+            each.bound(*chunks(each.facet_group_count, thread_count)[thread])
+        for own in self._own.values():
+            own.seek(*chunks(own.node_group_count, thread_count)[thread])
+        yield
         for each in self._passes:
             if each.model.is_own:
                 found = self._own[each.model.place.slave].found

@@ -277,7 +277,7 @@ class PlyRow(Rows):
     eta = "1", "second coordinate of its foot"
     spring = "m", "tangential spring", 3
     push = "N", "force of the normal spring"
-    damped_share = "1", "share of the dashpot in the force along the normal"
+    dashpot = "N", "force of the dashpot along the normal; where it pulls, at most as much as the spring pushes"
     distance = "m", "distance of the mid-surfaces at which they touch, with the facet's sagitta"
     entry = "m", "penetration at which the contact began, as far as it has not been given back: it makes no force"
     depth = "m", "penetration, with the entry; NO_DEPTH without a foot"

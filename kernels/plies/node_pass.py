@@ -13,7 +13,7 @@ from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
 from .data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
-from .facet import facets_struct, patch_at, walk_function
+from .facet import facets_struct, normal_at, walk_function
 from .forces import ply_forces_function, ply_forces_struct
 from .stand import (
     below_function,
@@ -58,7 +58,7 @@ def close_books_function(real: type, lane_count: int):
             velocity = speed_over(place, below, xi, eta)
             for c in range(3):  # nothing is known of those without a foot
                 velocity[c] = where_positive(pressed, velocity[c], lanes())
-            n = patch_at(below.d, xi, eta)
+            n = normal_at(below.x, below.d, xi, eta)
             leaving = law.side * dot(velocity, n) / square_root(dot(n, n))
             dashpot = record.rows[PlyRow.dashpot, block]
             book(record, block, real(0.5) * place.last_step, drag, dashpot, velocity, leaving)

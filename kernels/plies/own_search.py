@@ -13,7 +13,7 @@ from ..lanes import lane_types
 from ..operators import div, mul  # noqa: F401
 from ..rows import MotionRow, PassEntry, PlyRow
 from .data import NO_DEPTH, record_struct
-from .facet import facets_struct, find_foot, patch_at, patch_functions, sagitta
+from .facet import facets_struct, find_foot, normal_at, patch_at, patch_functions, sagitta
 from .search import search_struct, watch_struct
 from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
 
@@ -213,7 +213,7 @@ def look_function(real: type):
         xi, eta, g = find_foot(x, d, lanes(), lanes(), ITERATIONS)
         if not wp.max(wp.abs(xi[0]), wp.abs(eta[0])) <= points.farthest:
             return
-        n = patch_at(d, xi, eta)
+        n = normal_at(x, d, xi, eta)
         normal = vec3(n[0, 0], n[1, 0], n[2, 0])
         length = wp.length(normal)
         bow = sagitta(x, d, xi, eta)

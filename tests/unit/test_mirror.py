@@ -66,7 +66,6 @@ TESTED_ELSEWHERE = {
     "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
     "kernels/plies/mirror.py": MIRROR_IMAGE,
-    "kernels/plies/facet.py": PLIES,
     "kernels/contact/friction.py": PLIES,
     "kernels/plies/argument.py": PLIES,
     "kernels/plies/data.py": PLIES,

@@ -70,10 +70,11 @@ def test_the_middle_leg_of_three_touches_on_both_sides(manual):
     above, below = (pass_rows(run, k)["depth"] > 0.0 for k in (0, 1))
     assert (above & below).sum() > 20
     last = run.history[-1]
+    assert abs(last["balance_error"]) < 0.01 * last["supplied"]
     case = manual(
         "Contact", "A strip in three legs, pressed flat",
-        known="Both faces of the middle leg touch, and no triangles cross; the legs end up a thickness apart. The "
-        "ledger closes less well than elsewhere: creases become as sharp as the elements.",
+        known="Both faces of the middle leg touch, and no triangles cross; the legs end up a thickness apart, though "
+        "creases become as sharp as the elements. The ledger closes within 1 % of the work.",
     )  # fmt: skip
     case.table(
         ["height of the middles / thickness", "nodes that touch on both faces", "crossing triangles",

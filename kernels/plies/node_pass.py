@@ -10,6 +10,7 @@ import warp as wp
 
 from ..lanes import dot, fill, lane_maximum, lane_types, rows3, step_options, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
 from .data import NO_DEPTH, blocks_per_call, contact_law_struct, record_struct, slaves_struct
@@ -144,6 +145,8 @@ def meet_plies_kernel(real: type, lane_count: int):
         # Out
         record: Record,
     ):
+        if slaves.is_first == 0 and record.entry[PassEntry.watched] == wp.float64(0.0):
+            return
         first = first_block + span * wp.tid()
         for block in range(first, wp.min(first + span, last_block)):
             if record.way[block] > real(0.0):

@@ -300,16 +300,6 @@ class PlyWorkRow(Rows):
     thickness_work = "J", "work of the change of the distance at which the plies touch"
 
 
-class PassEntry(Rows):
-    """What the search of one pass finds at every update of the stable step; one array of float64."""
-
-    reach = "m", "how far both plies together may move until the next update"
-    rebuild = "1", "1 if lists of candidates are made anew"
-    stray_count = "1", "nodes that have found a foot at this update"
-    late = "1", "1 if a node has ever left the facets on which it was listed: a contact may have been missed"
-    deepest = "m", "deepest penetration so far that makes a force, at an update"
-
-
 class LoadRow(Rows):
     """Prescribed loads of the nodes, at a factor of one; rows of vectors."""
 

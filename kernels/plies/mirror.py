@@ -22,12 +22,12 @@ from ..lanes import (
     where_positive,
 )
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import record3, store_record4
-from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow, PlyWorkRow
-from .data import NO_DEPTH, record_struct
+from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
+from .data import NO_DEPTH, UNSOUGHT, record_struct
 from .forces import USUAL_ENTRY
 from .normals import NORMAL_ROW_COUNT
-from .own_search import UNSOUGHT
 from .search import watch_struct
 
 

@@ -10,9 +10,10 @@ import warp as wp
 
 from ..lanes import dot, fill, lane_maximum, lane_types, rows3, square_root, step_options, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
-from .data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
+from .data import NO_DEPTH, blocks_per_call, contact_law_struct, record_struct, slaves_struct
 from .facet import facets_struct, normal_at, walk_function
 from .forces import ply_forces_function, ply_forces_struct
 from .stand import (
@@ -71,7 +72,7 @@ def close_books_function(real: type, lane_count: int):
 
 @cache
 def meet_plies_kernel(real: type, lane_count: int):
-    """Kernel over blocks of nodes, launched before the elements of a step."""
+    """Kernel over groups of blocks of nodes, launched before the elements of a step."""
     types = lane_types(real, lane_count)
     lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
     Slaves, Facets, Law = slaves_struct(real, lane_count), facets_struct(real), contact_law_struct(real)
@@ -81,6 +82,7 @@ def meet_plies_kernel(real: type, lane_count: int):
     walk, forces_of = walk_function(real, lane_count), ply_forces_function(real, lane_count)
     book, close_books = close_books_function(real, lane_count)
     admit = admit_function(real, lane_count)
+    span = blocks_per_call(lane_count)
 
     @wp.func
     def place_of(block: int, clock: wp.array(dtype=wp.float64), record: Record, motion: wp.array2d(dtype=lanes)):
@@ -135,6 +137,7 @@ def meet_plies_kernel(real: type, lane_count: int):
     def meet_plies(
         # In
         first_block: wp.int32,
+        last_block: wp.int32,  # one past the end
         slaves: Slaves,
         facets: Facets,
         law: Law,
@@ -143,37 +146,41 @@ def meet_plies_kernel(real: type, lane_count: int):
         # Out
         record: Record,
     ):
-        block = first_block + wp.tid()
-        if record.way[block] > real(0.0):
-            if slaves.is_first == 1:
-                store_rows3(record.total, 0, block, lanes3())
+        if slaves.is_first == 0 and record.entry[PassEntry.watched] == wp.float64(0.0):
             return
-        place = place_of(block, clock, record, motion)
-        old_xi = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)[SCALAR]
-        old_eta = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)[SCALAR]
-        facet, xi, eta, moved = walk(facets, record.facet[block], old_xi, old_eta)
-        below = look_below(facets, facet, place)
-        iterations = USUAL_ITERATIONS
-        growth = lanes()
-        # no copy of what is below: it is large, and copies of it would cost a tenth of the pass
-        if moved > 0:
-            iterations = ITERATIONS_AFTER_WALK
-            before = look_below(facets, record.facet[block], place)
-            growth = close_books(law, record, place, before, old_xi, old_eta)
-        else:
-            growth = close_books(law, record, place, below, old_xi, old_eta)
-        stand = stand_on(law, facets, facet, place, below, xi, eta, iterations)
-        has_foot = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
-        if slaves.facing != real(0.0):
-            has_foot = admit(slaves, facets, facet, block, below, stand, has_foot)
-        stand = restrict(stand, has_foot)
-        forces = forces_of(slaves, facets, law, place, facet, stand, record)
-        old_push = record.rows[PlyRow.push, block]
-        worked = real(0.5) * (old_push + forces.push) * growth
-        record.works[PlyWorkRow.thickness_work, block] = record.works[PlyWorkRow.thickness_work, block] + worked
-        leaving = law.side * dot(stand.velocity, stand.normal)
-        book(record, block, real(0.5) * place.mean_step, forces.drag, forces.dashpot, stand.velocity, leaving)
-        record.last_step[block] = place.mean_step
-        store(record, block, facet, stand, forces, slaves.is_first)
+        first = first_block + span * wp.tid()
+        for block in range(first, wp.min(first + span, last_block)):
+            if record.way[block] > real(0.0):
+                if slaves.is_first == 1:
+                    store_rows3(record.total, 0, block, lanes3())
+                continue
+            place = place_of(block, clock, record, motion)
+            old_xi = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)[SCALAR]
+            old_eta = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)[SCALAR]
+            facet, xi, eta, moved = walk(facets, record.facet[block], old_xi, old_eta)
+            below = look_below(facets, facet, place)
+            iterations = USUAL_ITERATIONS
+            growth = lanes()
+            # no copy of what is below: it is large, and copies of it would cost a tenth of the pass
+            if moved > 0:
+                iterations = ITERATIONS_AFTER_WALK
+                before = look_below(facets, record.facet[block], place)
+                growth = close_books(law, record, place, before, old_xi, old_eta)
+            else:
+                growth = close_books(law, record, place, below, old_xi, old_eta)
+            stand = stand_on(law, facets, facet, place, below, xi, eta, iterations)
+            has_foot = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
+            if slaves.facing != real(0.0):
+                has_foot = admit(slaves, facets, facet, block, below, stand, has_foot)
+            stand = restrict(stand, has_foot)
+            forces = forces_of(slaves, facets, law, place, facet, stand, record)
+            old_push = record.rows[PlyRow.push, block]
+            worked = real(0.5) * (old_push + forces.push) * growth
+            record.works[PlyWorkRow.thickness_work, block] = record.works[PlyWorkRow.thickness_work, block] + worked
+            half = real(0.5) * place.mean_step
+            leaving = law.side * dot(stand.velocity, stand.normal)
+            book(record, block, half, forces.drag, forces.dashpot, stand.velocity, leaving)
+            record.last_step[block] = place.mean_step
+            store(record, block, facet, stand, forces, slaves.is_first)
 
     return meet_plies

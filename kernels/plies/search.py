@@ -1,8 +1,7 @@
 """What is sought at every update of the stable step for one pass of an interface (docs/plies.md).
 
-A node walks from facet to facet by itself. Sought are the nodes that may stand on each facet until the next update,
-blocks of nodes that are too far away to touch, and feet of nodes that have none. Every list is made by its owner, in
-ascending order: no atomics, and the same bits for any number of threads.
+A node walks from facet to facet by itself. Sought are blocks of nodes that are too far away to touch, and feet of nodes
+that have none; ``collect.py`` lists the nodes that may stand on each facet until the next update.
 """
 
 from functools import cache
@@ -11,9 +10,11 @@ import warp as wp
 
 from ..lanes import dot, lane_maximum, lane_types
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
-from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow
-from .data import NO_DEPTH, TOO_MANY, listed_struct, record_struct
+from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow
+from ..stepping.step import fold_works_function
+from .data import NO_DEPTH, record_struct
 from .facet import facets_struct, patch_at, patch_functions
 
 # Plies may move this much farther until the next update than at their largest speeds now.
@@ -36,13 +37,14 @@ def search_struct(real: type):
         steps: wp.int32  # until the next update
         slot: wp.int32  # contact within a sheet: which of its slots the pass is; else -1
         ring: wp.array2d(dtype=wp.int32)  # [facet, place]: facets that share a node with it, itself first; or -1
+        group: wp.array2d(dtype=wp.int32)  # [place, group]: facets that lie together, or -1
 
     return Search
 
 
 @cache
 def watch_struct(real: type):
-    """What the search leaves between its kernels; nothing of it outlives an update, except the late ones."""
+    """What the search leaves between its kernels; nothing that a result depends on outlives an update."""
     vec3 = wp.types.vector(3, real)
 
     @wp.struct
@@ -54,6 +56,10 @@ def watch_struct(real: type):
         found: wp.array(dtype=wp.int32)  # [node]: 1 if it has just found a foot
         foot: wp.array(dtype=vec3)  # [node]: place of its foot [m]
         stray: wp.array(dtype=wp.int32)  # nodes that have just found a foot
+        drift: wp.array(dtype=real)  # [0]: how far nodes have moved since the boxes of groups of facets were made [m]
+        low: wp.array(dtype=vec3)  # [group]: corners of the box of their middles [m]
+        high: wp.array(dtype=vec3)
+        radius: wp.array(dtype=real)  # [group]: largest radius of a facet [m]
 
     return Watch
 
@@ -93,12 +99,134 @@ def plan_search_kernel(real: type):
         facet_squared_speed: wp.array(dtype=real),  # of the facets' sheet
         # Out
         watch: Watch,
+        awake: wp.array(dtype=wp.int32),  # of the nodes' sheet: whether a pass needs its normals, as ``sum_up`` finds
+        facets_awake: wp.array(dtype=wp.int32),  # of the facets' sheet
     ):
+        # the first pass of a sheet on itself comes after those with other plies, and has the others follow
+        if search.slot <= 0:
+            awake[0] = 0
+            facets_awake[0] = 0
         speed = wp.sqrt(largest(squared_speed)) + wp.sqrt(largest(facet_squared_speed))
         time = clock[ClockEntry.step] * wp.float64(search.steps)
-        watch.entry[PassEntry.reach] = wp.float64(SPEED_MARGIN) * time * wp.float64(speed)
+        reach = wp.float64(SPEED_MARGIN) * time * wp.float64(speed)
+        watch.entry[PassEntry.reach] = reach
+        if search.slot == 0:
+            quiet = watch.entry[PassEntry.quiet] - reach
+            apart = watch.entry[PassEntry.apart] - reach
+            sought = wp.where(quiet > wp.float64(0.0), 0, 1)
+            sought = wp.where(apart > wp.float64(0.0), sought, 2)
+            watch.entry[PassEntry.quiet] = quiet
+            watch.entry[PassEntry.apart] = apart
+            watch.entry[PassEntry.sought] = wp.float64(sought)
+            # the search needs normals, too
+            awake[0] = wp.min(sought, 1)
+        drift = watch.drift[0] + real(reach)
+        # new boxes at this update; they are as old as the reach of the last one then
+        watch.drift[0] = wp.where(drift < search.skin, drift, real(0.0))
 
     return plan_search
+
+
+@cache
+def way_functions(real: type):
+    """wp.funcs (facets, facet, ...) -> middle and radius of a facet; way of a point to it."""
+    vec3, Facets = wp.types.vector(3, real), facets_struct(real)
+
+    @wp.func
+    def corner_place(facets: Facets, facet: int, corner: int):
+        entry = facets.corner[4 * facet + corner]
+        return vec3(
+            facets.motion[entry], facets.motion[entry + facets.stride], facets.motion[entry + 2 * facets.stride]
+        )
+
+    @wp.func
+    def size_of(facets: Facets, facet: int):
+        middle = vec3()
+        for corner in range(4):
+            middle = middle + real(0.25) * corner_place(facets, facet, corner)
+        radius = real(0.0)
+        for corner in range(4):
+            radius = wp.max(radius, wp.length(corner_place(facets, facet, corner) - middle))
+        return middle, radius
+
+    @wp.func
+    def way_to_facet(facets: Facets, facet: int, thickness: real, point: vec3):
+        """How far a point may move before it is over a facet, or near above or below it [m]; negative if it is."""
+        first = corner_place(facets, facet, 2) - corner_place(facets, facet, 0)
+        second = corner_place(facets, facet, 3) - corner_place(facets, facet, 1)
+        middle, radius = size_of(facets, facet)
+        away = point - middle
+        height = wp.dot(away, wp.normalize(wp.cross(first, second)))
+        beside = wp.sqrt(wp.max(wp.dot(away, away) - height * height, real(0.0)))
+        return wp.max(beside - real(NEAR) * radius, wp.abs(height) - radius - thickness)
+
+    return size_of, way_to_facet
+
+
+@cache
+def bound_facets_kernel(real: type):
+    """Kernel over groups of facets: boxes of their middles, where those of before are too old."""
+    vec3 = wp.types.vector(3, real)
+    Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
+    size_of, _ = way_functions(real)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def bound_facets(first_group: wp.int32, facets: Facets, search: Search, watch: Watch):
+        group = first_group + wp.tid()
+        if watch.drift[0] > real(0.0):
+            return
+        low = vec3(real(1.0e30))
+        high = vec3(real(-1.0e30))
+        largest = real(0.0)
+        for place in range(search.group.shape[0]):
+            facet = search.group[place, group]
+            if facet >= 0:
+                middle, radius = size_of(facets, facet)
+                low = wp.min(low, middle)
+                high = wp.max(high, middle)
+                largest = wp.max(largest, radius)
+        watch.low[group] = low
+        watch.high[group] = high
+        watch.radius[group] = largest
+
+    return bound_facets
+
+
+@cache
+def nearest_facet_function(real: type):
+    """wp.func (facets, search, watch, start, point) -> facet to which the point has the shortest way, and that way.
+
+    Of equal ways, to the lowest facet: as a look through all of them finds. Groups are passed over by their boxes.
+    """
+    vec3 = wp.types.vector(3, real)
+    Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
+    _, way_to_facet = way_functions(real)
+
+    @wp.func
+    def least_way(search: Search, watch: Watch, group: int, point: vec3):
+        """No way to a facet of a group is shorter."""
+        drift = watch.drift[0]
+        beyond = wp.max(wp.max(watch.low[group] - point, point - watch.high[group]), vec3())
+        radius = watch.radius[group] + real(2.0) * drift
+        # away^2 = beside^2 + height^2, so that one of them is 0.7 of it
+        return real(0.7) * (wp.length(beyond) - drift) - wp.max(real(NEAR) * radius, radius + search.thickness)
+
+    @wp.func
+    def nearest_facet(facets: Facets, search: Search, watch: Watch, start: int, point: vec3):
+        best = start
+        way = way_to_facet(facets, start, search.thickness, point)
+        for group in range(search.group.shape[1]):
+            if not least_way(search, watch, group, point) > way:
+                for place in range(search.group.shape[0]):
+                    facet = search.group[place, group]
+                    if facet >= 0:
+                        other = way_to_facet(facets, facet, search.thickness, point)
+                        if other < way or (other == way and facet < best):
+                            way = other
+                            best = facet
+        return best, way
+
+    return nearest_facet
 
 
 @cache
@@ -109,51 +237,25 @@ def seek_feet_kernel(real: type, lane_count: int):
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record = record_struct(real, lane_count)
     vectors, _, _, _ = patch_functions(real, lane_count)
+    nearest_facet, fold_works = nearest_facet_function(real), fold_works_function(real, lane_count)
 
     @wp.func
-    def corner_place(facets: Facets, facet: int, corner: int):
-        entry = facets.corner[4 * facet + corner]
-        return vec3(
-            facets.motion[entry], facets.motion[entry + facets.stride], facets.motion[entry + 2 * facets.stride]
-        )
+    def seek_foot(
+        facets: Facets, search: Search, watch: Watch, position: lanes3, record: Record, block: int, lane: int,
+        updates: real,
+    ):  # fmt: skip
+        """Way that a stray node has left, 0 with a foot; its facet is written.
 
-    @wp.func
-    def way_to_facet(facets: Facets, facet: int, thickness: real, point: vec3):
-        """How far a point may move before it is over a facet, or near above or below it [m]; negative if it is."""
-        first = corner_place(facets, facet, 2) - corner_place(facets, facet, 0)
-        second = corner_place(facets, facet, 3) - corner_place(facets, facet, 1)
-        middle = vec3()
-        for corner in range(4):
-            middle = middle + real(0.25) * corner_place(facets, facet, corner)
-        radius = real(0.0)
-        for corner in range(4):
-            radius = wp.max(radius, wp.length(corner_place(facets, facet, corner) - middle))
-        away = point - middle
-        height = wp.dot(away, wp.normalize(wp.cross(first, second)))
-        beside = wp.sqrt(wp.max(wp.dot(away, away) - height * height, real(0.0)))
-        return wp.max(beside - real(NEAR) * radius, wp.abs(height) - radius - thickness)
-
-    @wp.func
-    def nearest_facet(facets: Facets, search: Search, point: vec3):
-        best = wp.int32(0)
-        way = way_to_facet(facets, 0, search.thickness, point)
-        for facet in range(1, search.facet_count):
-            other = way_to_facet(facets, facet, search.thickness, point)
-            if other < way:
-                way = other
-                best = facet
-        return best, way
-
-    @wp.func
-    def seek_foot(facets: Facets, search: Search, reach: real, position: lanes3, record: Record, block: int, lane: int):
-        """Way that a stray node has left, 0 with a foot; its facet is written."""
+        It is sought anew where less is left than both plies move in ``updates`` updates.
+        """
+        reach = real(watch.entry[PassEntry.reach])
         left = record.rows[PlyRow.stray, block][lane] - reach
-        if left < real(LEAST_UPDATES) * reach or left <= real(0.0):
+        if left < updates * reach or left <= real(0.0):
             point = vec3(position[0, lane], position[1, lane], position[2, lane])
-            facet, way = nearest_facet(facets, search, point)
+            feet = record.facet[block]
+            facet, way = nearest_facet(facets, search, watch, feet[lane], point)
             left = wp.max(way, real(0.0))
             if way <= real(0.0):
-                feet = record.facet[block]
                 feet[lane] = facet
                 record.facet[block] = feet
         return left
@@ -208,19 +310,25 @@ def seek_feet_kernel(real: type, lane_count: int):
         # Out
         record: Record,
         watch: Watch,
+        works_sum: wp.array2d(dtype=wp.float64),  # of all steps before the last ones [J]
     ):
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         block = first_block + wp.tid()
+        fold_works(block, record.works, works_sum)
         reach = real(watch.entry[PassEntry.reach])
         position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
         stray = record.rows[PlyRow.stray, block]
         travel = record.rows[PlyRow.travel, block]
         force = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)
         drag = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)
+        # a block that is watched anyway need not know whether it may sleep
+        updates = wp.where(lane_maximum(-stray) >= real(0.0), real(1.0), real(LEAST_UPDATES))
         for i in range(lane_count):
             # within a sheet, the feet have been found before
             found = wp.where(search.slot >= 0, watch.found[block * lane_count + i], 0)
             if stray[i] > real(0.0):
-                stray[i] = seek_foot(facets, search, reach, position, record, block, i)
+                stray[i] = seek_foot(facets, search, watch, position, record, block, i, updates)
                 found = wp.where(stray[i] <= real(0.0), 1, 0)
             if found == 1:
                 travel[i] = wp.where(search.slot >= 0, real(0.0), search.skin)
@@ -235,132 +343,3 @@ def seek_feet_kernel(real: type, lane_count: int):
         watch_block(search, reach, record, block)
 
     return seek_feet
-
-
-@cache
-def list_nodes_kernel(real: type):
-    """Kernel over facets: the nodes that may stand on each until the lists are made again, from the old lists.
-
-    A node is listed on the facet of its foot, and that is in the ring of every facet near to it.
-    """
-    vec3 = wp.types.vector(3, real)
-    Facets, Search, Watch, Listed = facets_struct(real), search_struct(real), watch_struct(real), listed_struct()
-
-    @wp.func
-    def is_near(facets: Facets, skin: real, facet: int, point: vec3):
-        inside = True
-        for c in range(3):
-            low = facets.motion[facets.corner[4 * facet] + c * facets.stride]
-            high = low
-            for corner in range(1, 4):
-                value = facets.motion[facets.corner[4 * facet + corner] + c * facets.stride]
-                low = wp.min(low, value)
-                high = wp.max(high, value)
-            inside = inside and point[c] >= low - skin and point[c] <= high + skin
-        return inside
-
-    @wp.func
-    def insert(listed: Listed, facet: int, node: int):
-        """Into an ascending list, unless it is there already or the list is full."""
-        count = listed.count[facet]
-        if count == TOO_MANY:
-            return
-        place = int(count)
-        while place > 0 and listed.node[place - 1, facet] > node:
-            place = place - 1
-        if place > 0 and listed.node[place - 1, facet] == node:
-            return
-        if count == listed.node.shape[0]:
-            listed.count[facet] = TOO_MANY
-            return
-        for k in range(count - place):
-            listed.node[count - k, facet] = listed.node[count - k - 1, facet]
-        listed.node[place, facet] = node
-        listed.count[facet] = count + 1
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def list_nodes(
-        # In
-        first_facet: wp.int32,
-        facets: Facets,
-        search: Search,
-        watch: Watch,
-        feet: wp.array(dtype=wp.int32),  # [node]: facet of its foot
-        old: Listed,
-        # Out
-        listed: Listed,
-    ):
-        facet = first_facet + wp.tid()
-        if watch.entry[PassEntry.rebuild] == wp.float64(0.0) or facet >= search.facet_count:
-            return
-        listed.count[facet] = 0
-        for place in range(search.ring.shape[1]):
-            near = search.ring[facet, place]
-            if near >= 0:
-                count = old.count[near]
-                slots = wp.where(count == TOO_MANY, feet.shape[0], count)
-                for slot in range(slots):
-                    node = slot
-                    if count != TOO_MANY:
-                        node = old.node[slot, near]
-                    if feet[node] == near:
-                        if near == facet or is_near(facets, search.skin, facet, watch.foot[node]):
-                            insert(listed, facet, node)
-        for k in range(int(watch.entry[PassEntry.stray_count])):
-            node = watch.stray[k]
-            if feet[node] == facet or is_near(facets, search.skin, facet, watch.foot[node]):
-                insert(listed, facet, node)
-
-    return list_nodes
-
-
-@cache
-def adopt_lists_kernel(real: type, lane_count: int):
-    """Kernel over blocks of facets: take the new lists, and tell how many slots each block uses."""
-    Search, Watch, Listed = search_struct(real), watch_struct(real), listed_struct()
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def adopt_lists(
-        # In
-        first_block: wp.int32,
-        search: Search,
-        watch: Watch,
-        made: Listed,
-        # Out
-        listed: Listed,
-        block_count: wp.array(dtype=wp.int32),
-    ):
-        block = first_block + wp.tid()
-        if watch.entry[PassEntry.rebuild] == wp.float64(0.0):
-            return
-        most = wp.int32(0)
-        for i in range(lane_count):
-            facet = block * lane_count + i
-            if facet < search.facet_count:
-                count = made.count[facet]
-                listed.count[facet] = count
-                for slot in range(listed.node.shape[0]):
-                    listed.node[slot, facet] = wp.where(slot < count, made.node[slot, facet], -1)
-                most = wp.where(count == TOO_MANY or most == TOO_MANY, TOO_MANY, wp.max(most, count))
-        block_count[block] = most
-
-    return adopt_lists
-
-
-@cache
-def begin_travel_kernel(real: type, lane_count: int):
-    """Kernel over blocks of nodes: their ways begin anew with the lists; those without lists yet wait for the next."""
-    lanes = lane_types(real, lane_count).lanes
-    Search, Watch, Record = search_struct(real), watch_struct(real), record_struct(real, lane_count)
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def begin_travel(first_block: wp.int32, search: Search, watch: Watch, record: Record):
-        block = first_block + wp.tid()
-        if watch.entry[PassEntry.rebuild] != wp.float64(0.0):
-            travel = lanes()
-            for i in range(lane_count):
-                if watch.found[block * lane_count + i] == 1 and search.slot < 0:
-                    travel[i] = search.skin
-            record.rows[PlyRow.travel, block] = travel
-
-    return begin_travel

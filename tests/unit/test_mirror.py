@@ -65,6 +65,7 @@ TESTED_ELSEWHERE = {
     "kernels/cell/law.py": "verification/cell/test_unit_cells.py",
     "kernels/cell/yarn.py": "unit/kernels/cell/test_plain_weave.py",
     "kernels/cell/response.py": "verification/cell/test_unit_cells.py",
+    "kernels/pass_entries.py": "unit/kernels/plies/test_collect.py",
     "kernels/plies/mirror.py": MIRROR_IMAGE,
     "kernels/contact/friction.py": PLIES,
     "kernels/plies/argument.py": PLIES,

@@ -11,6 +11,7 @@ from ...kernels.plies.facet import FREE_EDGE, facets_struct
 from ...kernels.rows import GradientRow
 from ..sheet_model import SheetModel
 from .connectivity import edge_neighbours, free_edge_distance, home_elements, rings
+from .groups import compact_groups
 from .normals import normal_layout
 
 
@@ -67,6 +68,12 @@ class FacetTables:
     def ring(self) -> wp.array:
         """Facets that share a node with each, itself first, (element_count, k) int32; -1 where none."""
         return self._integers(rings(self.sheet.blank.quads))
+
+    @cached_property
+    def groups(self) -> wp.array:
+        """Facets that lie together on the flat blank, (place, group) int32; -1 where a group has fewer."""
+        blank = self.sheet.blank
+        return self._integers(compact_groups(blank.material_coordinates[blank.quads].mean(axis=1)))
 
     @cached_property
     def _arrays(self) -> tuple[wp.array, ...]:

@@ -8,28 +8,28 @@ import warp as wp
 
 from ...kernels.plies.collect import (
     GROUP,
+    adopt_lists_kernel,
+    begin_travel_kernel,
     count_strays_kernel,
+    list_nodes_kernel,
     list_strays_kernel,
     sum_up_kernel,
     survey_groups_kernel,
     survey_struct,
 )
-from ...kernels.plies.data import listed_struct, record_struct
+from ...kernels.plies.data import blocks_per_call, listed_struct, record_struct
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.own_search import follow_own_facets_kernel
 from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
 from ...kernels.plies.search import (
-    adopt_lists_kernel,
-    begin_travel_kernel,
-    list_nodes_kernel,
+    bound_facets_kernel,
     plan_search_kernel,
     seek_feet_kernel,
     watch_struct,
 )
-from ...kernels.stepping.step import fold_works_kernel
 from ..layout import lanes_view
 from ..state import State
-from .pass_model import PassModel
+from .pass_model import NEVER, PassModel
 
 
 class PassLaunches:
@@ -46,7 +46,8 @@ class PassLaunches:
     def __init__(
         self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
     ) -> None:
-        self.model, self._own, self._awake = model, state.passes[index], state.sheets[model.place.slave].awake
+        self.model, self._own = model, state.passes[index]
+        self._awake = [state.sheets[k].awake for k in (model.place.slave, model.place.master)]
         self._clock, self._speeds = state.clock, squared_speeds
         self._real, self._lanes = model.real, model.lane_count
         slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
@@ -57,6 +58,7 @@ class PassLaunches:
         self._law, self._search = model.law(), model.search()
         self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
         self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()
+        self.facet_group_count = self._search.group.shape[1]
         self._watch, self._survey = self._make_watch(), self._make_survey()
         self.node_block_count = model.slave.block_count
         self.facet_block_count = model.master.element_count // self._lanes
@@ -66,15 +68,14 @@ class PassLaunches:
         record.facet, record.standing = lanes_view(own.facet, self._lanes), lanes_view(own.standing, self._lanes)
         record.rows = self.model.rows.view(own.rows)
         record.works, record.total = lanes_view(own.works, self._lanes), lanes_view(total, self._lanes)
-        record.way, record.last_step = own.way, own.last_step
+        record.way, record.last_step, record.entry = own.way, own.last_step, own.entry
         return record
 
     def _make_reaction(self) -> Any:
         reaction, own, rows = reaction_struct(self._real, self._lanes)(), self._own, self.model.rows
         reaction.listed = lanes_view(own.listed, self._lanes)
         reaction.count, reaction.standing, reaction.rows = own.block_count, own.standing, own.rows
-        reaction.row_count = rows.row_count if self._lanes > 1 else 1
-        reaction.stride = rows.stride
+        reaction.row_count, reaction.stride, reaction.entry = rows.row_count, rows.stride, own.entry
         return reaction
 
     @staticmethod
@@ -95,6 +96,12 @@ class PassLaunches:
         watch.found = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
         watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
         watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
+        # the first update makes the boxes
+        watch.drift = wp.full(1, NEVER, dtype=self._real, device=device)
+        watch.low, watch.high = (
+            wp.zeros(self.facet_group_count, dtype=self.model.types.vec3, device=device) for _ in range(2)
+        )
+        watch.radius = wp.zeros(self.facet_group_count, dtype=self._real, device=device)
         return watch
 
     def _make_survey(self) -> Any:
@@ -109,25 +116,36 @@ class PassLaunches:
         if dim:
             wp.launch(kernel, dim=dim, inputs=inputs, outputs=outputs or [], device=self.model.device)
 
+    def _calls(self, count: int) -> int:
+        """Threads of a launch on ``count`` blocks, each of which does a few."""
+        return -(-count // blocks_per_call(self._lanes))
+
     # --- a step ------------------------------------------------------------------------------------------------------
 
     def meet(self, first: int, count: int) -> None:
         """Contact forces on ``count`` blocks of nodes from ``first``, before anything moves."""
         self._launch(
-            meet_plies_kernel(self._real, self._lanes), count,
-            [first, self._slaves, self._facets, self._law, self._clock, self._motion], [self._record],
+            meet_plies_kernel(self._real, self._lanes), self._calls(count),
+            [first, first + count, self._slaves, self._facets, self._law, self._clock, self._motion], [self._record],
         )  # fmt: skip
 
     def push(self, first: int, count: int) -> None:
         """Their reactions on ``count`` blocks of facets from ``first``, after the forces of these elements."""
-        self._launch(push_facets_kernel(self._real, self._lanes), count, [first, self._reaction], [self._corners])
+        inputs = [first, first + count, self._reaction]
+        self._launch(push_facets_kernel(self._real, self._lanes), self._calls(count), inputs, [self._corners])
 
     # --- an update of the stable step, in this order, with a barrier between ------------------------------------------
 
     def plan(self) -> None:
         """How far both plies may move until the next update."""
         speeds = [self._speeds[self.model.place.slave], self._speeds[self.model.place.master]]
-        self._launch(plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch])
+        self._launch(
+            plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch, *self._awake]
+        )
+
+    def bound(self, first: int, count: int) -> None:
+        """Boxes of ``count`` groups of facets from ``first``, where strays are sought."""
+        self._launch(bound_facets_kernel(self._real), count, [first, self._facets, self._search, self._watch])
 
     def follow(self, found: Any, first: int, count: int) -> None:
         """Nodes of a sheet that begin or cease to follow its own facets."""
@@ -138,18 +156,15 @@ class PassLaunches:
         """Feet, and blocks to be watched; the works of the last steps are added to their sums."""
         self._launch(
             seek_feet_kernel(self._real, self._lanes), count,
-            [first, self._facets, self._search, self._motion], [self._record, self._watch],
+            [first, self._facets, self._search, self._motion], [self._record, self._watch, self._own.works_sum],
         )  # fmt: skip
-        self._launch(
-            fold_works_kernel(self._real, self._lanes), count, [first], [self._record.works, self._own.works_sum]
-        )
 
     def collect(self) -> None:
         """Nodes that have just found a foot, and whether the lists are made anew."""
         blocks, nodes = self._survey.travel.shape[0], self._survey.stray.shape[0]
         self._launch(survey_groups_kernel(self._real), blocks, [self._watch, self._own.way], [self._survey])
         self._launch(count_strays_kernel(self._real), nodes, [self._watch], [self._survey])
-        self._launch(sum_up_kernel(self._real), 1, [self._search, self._watch, self._survey, self._awake])
+        self._launch(sum_up_kernel(self._real), 1, [self._search, self._watch, self._survey, *self._awake])
         self._launch(list_strays_kernel(self._real), nodes, [self._watch, self._survey])
 
     def list_nodes(self, first: int, count: int) -> None:

@@ -215,6 +215,8 @@ class PassModel:
         search.skin, search.thickness, search.steps = self.skin, self.thickness, REFRESH_INTERVAL
         search.facet_count, search.slot = self.master.blank.element_count, self.place.slot
         search.ring = self._facets.ring
+        # within a sheet, nodes without a foot are sought by ``OwnSearch``
+        search.group = wp.empty((0, 0), dtype=wp.int32, device=self.device) if self.is_own else self._facets.groups
         return search
 
     @cached_property

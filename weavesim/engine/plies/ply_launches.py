@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import warp as wp
 
 from ...kernels.plies.collect import group_speed_kernel
+from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
@@ -40,7 +41,7 @@ class PlyLaunches:
             wp.zeros(group_count(each.shape[0]), dtype=each.dtype, device=each.device) for each in speeds
         ]
         self._normals = {
-            index: NormalLaunch(model.sheets[index], state.sheets[index].motion, self._awake(index))
+            index: NormalLaunch(model.sheets[index], state.sheets[index].motion, state.sheets[index].awake)
             for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
@@ -52,18 +53,17 @@ class PlyLaunches:
         ]
         self._own = {
             each.place.slave: OwnSearch(
-                each, state.sheets[each.place.slave].motion, normals[each.place.slave], state.passes[index].entry
+                each,
+                state.sheets[each.place.slave].motion,
+                normals[each.place.slave],
+                [own.entry for own in state.passes[index : index + int(SLOT_COUNT)]],
+                state.sheets[each.place.slave].awake,
             )
             for index, each in enumerate(model.passes)
             if each.place.slot == 0
         }
 
-    def _awake(self, index: int) -> wp.array:
-        """Whether the normals of a sheet are needed: with other plies always, within it where a node is near enough."""
-        sheets = (place for each in self._model.passes for place in (each.place,) if not each.is_own)
-        if any(index in (place.slave, place.master) for place in sheets):
-            return wp.ones(1, dtype=wp.int32, device=self._model.device)
-        return self._state.sheets[index].awake
+        self._mirrored = {each.place.slave for each in model.passes if each.place.plane}
 
     def __bool__(self) -> bool:
         return bool(self._passes)
@@ -86,7 +86,7 @@ class PlyLaunches:
                 each.push(first, count)
 
     def watch_speeds(self, thread_count: int = 1, thread: int = 0) -> None:
-        """Largest speeds of this thread's share of the nodes, and normals for the search within sheets."""
+        """Largest speeds of this thread's share of the nodes."""
         for index in self._touched:
             sheet, own = self._model.sheets[index], self._state.sheets[index]
             first, count = chunks(sheet.block_count, thread_count)[thread]
@@ -97,8 +97,6 @@ class PlyLaunches:
                 outputs=[self._speeds[index]],
                 device=sheet.device,
             )
-            if index in self._own:
-                self._normals[index].launch(first, count, always=True)
 
     def _find_group_speeds(self, index: int) -> None:
         sheet, largest = self._model.sheets[index], self._group_speeds[index]
@@ -114,14 +112,14 @@ class PlyLaunches:
                 self._find_group_speeds(index)
             for each in self._passes:
                 each.plan()
-        for own in self._own.values():
-            groups = own.node_group_count, own.facet_group_count
-            own.bound(*(chunks(count, thread_count)[thread] for count in groups))
         yield
-        if self._own:
-            for own in self._own.values():
-                own.seek(*chunks(own.node_group_count, thread_count)[thread])
-            yield
+        for each in self._passes:
+            each.bound(*chunks(each.facet_group_count, thread_count)[thread])
+        for index in self._own:
+            count = self._model.sheets[index].block_count
+            self._normals[index].launch(*chunks(count, thread_count)[thread], always=index in self._mirrored)
+        yield
+        yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:
             if each.model.is_own:
                 found = self._own[each.model.place.slave].found
@@ -138,6 +136,21 @@ class PlyLaunches:
         for each in self._passes:
             facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
             each.adopt(facets[thread], nodes[thread])
+        yield
+
+    def _search_within_sheets(self, thread_count: int, thread: int) -> Iterator[None]:
+        if not self._own:
+            return
+        for own in self._own.values():
+            groups = own.node_group_count, own.facet_group_count
+            own.bound(*(chunks(count, thread_count)[thread] for count in groups))
+        yield
+        for own in self._own.values():
+            own.seek(*chunks(own.node_group_count, thread_count)[thread])
+        yield
+        if thread == 0:
+            for own in self._own.values():
+                own.settle()
         yield
 
     @property

@@ -5,6 +5,7 @@ import pytest
 import warp as wp
 
 from weavesim.engine.plies.pass_launches import group_count
+from weavesim.kernels.pass_entries import PassEntry
 from weavesim.kernels.plies.collect import (
     count_strays_kernel,
     group_speed_kernel,
@@ -14,7 +15,6 @@ from weavesim.kernels.plies.collect import (
     survey_struct,
 )
 from weavesim.kernels.plies.search import search_struct, watch_struct
-from weavesim.kernels.rows import PassEntry
 
 REAL, SKIN = wp.float64, 0.5
 
@@ -24,7 +24,7 @@ def launch(kernel, dim, *arguments) -> None:
 
 
 def summed_up(block_count: int, lane_count: int, *, slot: int = -1, share: float = 0.1, seed: int = 0):
-    """The watch after the kernels, its inputs, and whether the sheet is awake."""
+    """The watch after the kernels, its inputs, and whether both sheets are awake."""
     rng = np.random.default_rng(seed)
     node_count = block_count * lane_count
     given = {
@@ -44,12 +44,12 @@ def summed_up(block_count: int, lane_count: int, *, slot: int = -1, share: float
     survey.travel, survey.deepest = (wp.zeros(blocks, dtype=REAL, device="cpu") for _ in range(2))
     survey.late, survey.watched = (wp.zeros(blocks, dtype=wp.int32, device="cpu") for _ in range(2))
     survey.stray = wp.zeros(nodes, dtype=wp.int32, device="cpu")
-    awake = wp.zeros(1, dtype=wp.int32, device="cpu")
+    awake = [wp.zeros(1, dtype=wp.int32, device="cpu") for _ in range(2)]
     launch(survey_groups_kernel(REAL), blocks, watch, wp.array(way, device="cpu"), survey)
     launch(count_strays_kernel(REAL), nodes, watch, survey)
-    launch(sum_up_kernel(REAL), 1, search, watch, survey, awake)
+    launch(sum_up_kernel(REAL), 1, search, watch, survey, *awake)
     launch(list_strays_kernel(REAL), nodes, watch, survey)
-    return watch, given | {"way": way}, int(awake.numpy()[0])
+    return watch, given | {"way": way}, [int(each.numpy()[0]) for each in awake]
 
 
 @pytest.mark.parametrize(("block_count", "lane_count"), [(3, 16), (256, 1), (1000, 1), (300, 16)])
@@ -61,7 +61,8 @@ def test_groups_find_what_a_look_through_all_finds(block_count, lane_count):
     np.testing.assert_array_equal(watch.stray.numpy()[: len(strays)], strays)
     assert (watch.stray.numpy()[len(strays) :] == -1).all()
     assert entry[PassEntry.late] == given["late"].max() and entry[PassEntry.deepest] == given["deepest"].max()
-    assert awake == 1
+    watched = (given["way"] == 0.0).any()
+    assert awake == [watched, watched] and entry[PassEntry.watched] == watched
 
 
 def test_lists_are_made_anew_for_strays_and_for_long_ways_only():
@@ -72,7 +73,7 @@ def test_lists_are_made_anew_for_strays_and_for_long_ways_only():
 
 def test_a_sheet_wakes_where_a_block_is_watched():
     _, given, awake = summed_up(700, 1, slot=0)
-    assert awake == 1 and (given["way"] == 0.0).any()
+    assert awake == [1, 1] and (given["way"] == 0.0).any()
 
 
 def test_the_largest_speed_of_every_group():

@@ -11,7 +11,8 @@ import os
 import platform
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import cache
@@ -30,6 +31,8 @@ CPU_COMPILER_FLAGS = "-march=native -mllvm=-inline-threshold=9000"
 X86_COMPILER_FLAGS = "-mprefer-vector-width=512"
 
 LARGEST_THREAD_COUNT = 256
+# Parts of a launch for each core, since they take unequal times.
+PARTS_PER_THREAD = 8
 
 logger = logging.getLogger(__name__)
 
@@ -273,6 +276,36 @@ def available_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def launch_on_all_cores(
+    kernel: wp.Kernel, counts: tuple[int, ...], arguments: Callable[[slice], list[Any]], device: str | wp.Device
+) -> None:
+    """Launch a kernel whose threads write nothing that others read; on a CPU in parts, on all cores.
+
+    Args:
+        kernel: what is launched.
+        counts: of its threads along each dimension.
+        arguments: all arguments of a launch for a part of the first dimension, whose threads count from zero.
+        device: of the launch.
+    """
+    import warp as wp
+
+    device, (count, *others) = wp.get_device(device), counts
+    thread_count = min(available_threads(), LARGEST_THREAD_COUNT) if device.is_cpu else 1
+    part_count = min(count, PARTS_PER_THREAD * thread_count if thread_count > 1 else 1)
+    parts = [slice(count * k // part_count, count * (k + 1) // part_count) for k in range(part_count)]
+    launches = [
+        wp.launch(kernel, (own.stop - own.start, *others), arguments(own), device=device, record_cmd=True)
+        for own in parts
+    ]
+    if len(launches) < 2:
+        for launch in launches:
+            launch.launch()
+        return
+    with ThreadPoolExecutor(thread_count) as pool:
+        for done in [pool.submit(launch.launch) for launch in launches]:
+            done.result()
 
 
 def available_memory() -> float | None:

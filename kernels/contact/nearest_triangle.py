@@ -45,6 +45,25 @@ class NearestTriangles:
 
 
 @wp.func
+def side_of_face(u: float, v: float, height: float, distance: float):
+    """Side of a point ``height`` over the face nearest to it: 1, or -1, or 0 where an edge or a corner may be nearest.
+
+    ``u``, ``v``: barycentric coordinates of the nearest place.
+    """
+    side = wp.float32(0.0)
+    if wp.min(wp.min(u, v), 1.0 - u - v) > FACE_INTERIOR and wp.abs(height) >= FACING * distance:
+        side = wp.where(height < 0.0, -1.0, 1.0)
+    return side
+
+
+@wp.func
+def winding_side(mesh: wp.uint64, point: wp.vec3, distance: float):
+    """Side of a point at a ``distance`` from the nearest triangle, from the winding number."""
+    query = wp.mesh_query_point_sign_winding_number(mesh, point, 1.001 * distance + 1.0e-9)
+    return query.sign
+
+
+@wp.func
 def nearest_on_mesh(mesh: wp.uint64, point: wp.vec3, largest: float, crossed: wp.int32):
     """Signed distance to the nearest triangle, and the outward normal; ``largest`` and zero if none is nearer.
 
@@ -58,18 +77,12 @@ def nearest_on_mesh(mesh: wp.uint64, point: wp.vec3, largest: float, crossed: wp
         away = point - wp.mesh_eval_position(mesh, query.face, query.u, query.v)
         facing = wp.mesh_eval_face_normal(mesh, query.face)
         distance = wp.length(away)
-        height = wp.dot(away, facing)
         normal = facing
-        if (
-            crossed == 0
-            and wp.min(wp.min(query.u, query.v), 1.0 - query.u - query.v) > FACE_INTERIOR
-            and wp.abs(height) >= FACING * distance
-        ):
-            if height < 0.0:
-                distance = -distance
+        side = side_of_face(query.u, query.v, wp.dot(away, facing), distance)
+        if crossed == 0 and side != 0.0:
+            distance = side * distance
         else:
-            winding = wp.mesh_query_point_sign_winding_number(mesh, point, 1.001 * distance + 1.0e-9)
-            distance = winding.sign * distance
+            distance = winding_side(mesh, point, distance) * distance
             if wp.abs(distance) > TOUCHING:
                 normal = away / distance
     return distance, normal
@@ -80,6 +93,21 @@ def mesh_signed_distance(mesh: wp.uint64, point: wp.vec3, largest: float, crosse
     """As ``nearest_on_mesh``, without the normal."""
     distance, normal = nearest_on_mesh(mesh, point, largest, crossed)
     return distance
+
+
+@wp.func
+def distance_and_side(mesh: wp.uint64, point: wp.vec3, largest: float, crossed: wp.int32):
+    """Distance to the nearest triangle, at most ``largest``, and the side that its face tells; 0 if it does not."""
+    query = wp.mesh_query_point_no_sign(mesh, point, largest)
+    distance = largest
+    side = wp.float32(0.0)
+    if query.result:
+        away = point - wp.mesh_eval_position(mesh, query.face, query.u, query.v)
+        distance = wp.length(away)
+        if crossed == 0:
+            height = wp.dot(away, wp.mesh_eval_face_normal(mesh, query.face))
+            side = side_of_face(query.u, query.v, height, distance)
+    return distance, side
 
 
 @wp.func
@@ -148,8 +176,7 @@ def side_of(nearest: NearestTriangles, index: wp.int32, point: wp.vec3, away: wp
     distance = wp.length(away)
     normal = facing
     if facing[0] == 0.0 and facing[1] == 0.0 and facing[2] == 0.0:
-        winding = wp.mesh_query_point_sign_winding_number(nearest.mesh, point, 1.001 * distance + 1.0e-9)
-        distance = winding.sign * distance
+        distance = winding_side(nearest.mesh, point, distance) * distance
     elif wp.dot(away, facing) < 0.0:
         distance = -distance
     if index % PLACE_COUNT != 0 and wp.abs(distance) > TOUCHING:

@@ -12,14 +12,19 @@ import warp as wp
 from weavesim import device as device_module
 from weavesim.device import (
     LARGEST_THREAD_COUNT,
+    PARTS_PER_THREAD,
     cpu_features,
     initialise,
     kernel_cache_folder,
+    launch_on_all_cores,
     resolve_device,
     resolve_precision,
     resolve_thread_counts,
 )
 from weavesim.errors import InputError
+from weavesim.kernels.contact.fill_samples import mark_cells_kernel
+from weavesim.kernels.contact.mesh_samples import TILE_STRIDE
+from weavesim.kernels.contact.nearest_triangle import CELL_COUNT
 
 
 @pytest.fixture
@@ -132,3 +137,40 @@ def test_more_threads_than_cores_are_warned_about(caplog, monkeypatch):
         assert not caplog.messages
         assert resolve_thread_counts(3) == (3,)
     assert "3 threads share 2 cores" in caplog.messages[0]
+
+
+def marked_tiles(count, launch):
+    """Tiles whose cells of odd numbers are marked by ``launch`` of arguments for a part of them."""
+    doubted = wp.array(np.arange(count * CELL_COUNT).reshape(count, CELL_COUNT) % 2, dtype=wp.uint8, device="cpu")
+    values = wp.full(count * int(TILE_STRIDE), 6, dtype=wp.int32, device="cpu")
+    launch(lambda own: [doubted[own], values[int(TILE_STRIDE) * own.start : int(TILE_STRIDE) * own.stop]])
+    return values.numpy()
+
+
+@pytest.mark.parametrize("count", [1, 5, 100])
+@pytest.mark.parametrize("cores", [1, 3])
+def test_a_launch_in_parts_does_everything_once(monkeypatch, count, cores):
+    monkeypatch.setattr(device_module, "available_threads", lambda: cores)
+    parts = []
+
+    def in_parts(arguments):
+        counts = (count, int(CELL_COUNT))
+        launch_on_all_cores(mark_cells_kernel, counts, lambda own: parts.append(own) or arguments(own), "cpu")
+
+    def at_once(arguments):
+        wp.launch(mark_cells_kernel, (count, int(CELL_COUNT)), arguments(slice(0, count)), device="cpu")
+
+    np.testing.assert_array_equal(marked_tiles(count, in_parts), marked_tiles(count, at_once))
+    assert np.count_nonzero(marked_tiles(count, at_once) == 7) == count * CELL_COUNT // 2
+    assert len(parts) == min(count, 1 if cores == 1 else 3 * PARTS_PER_THREAD)
+
+
+def test_nothing_is_launched_over_nothing():
+    launch_on_all_cores(mark_cells_kernel, (0, int(CELL_COUNT)), lambda own: pytest.fail("asked for"), "cpu")
+
+
+def test_an_error_in_a_part_of_a_launch_is_raised(monkeypatch):
+    monkeypatch.setattr(device_module, "available_threads", lambda: 2)
+    monkeypatch.setattr(wp.Launch, "launch", lambda self: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        marked_tiles(4, lambda arguments: launch_on_all_cores(mark_cells_kernel, (4, 512), arguments, "cpu"))

@@ -30,6 +30,7 @@ from ..kernels.contact.fill_samples import (
     mesh_distance_kernel,
     sampled_distance_kernel,
     share_corners_kernel,
+    tell_sides_kernel,
 )
 from ..kernels.contact.list_nearest import count_nearest_kernel, list_nearest_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
@@ -262,6 +263,7 @@ def mesh_kernels() -> list[wp.Kernel]:
         mesh_distance_kernel,
         sampled_distance_kernel,
         fill_tiles_kernel,
+        tell_sides_kernel,
         share_corners_kernel,
         doubt_cells_kernel,
         mark_cells_kernel,

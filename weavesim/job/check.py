@@ -220,7 +220,7 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
                 judgement, advice = LOOK, f"{advice}: too tight, shorten the stroke or widen the gap"
                 limited = any(tool.motion.limiting_force for tool in (world.tools[a], world.tools[b]))
                 if not (pressed or limited or setup.accept_unusual):
-                    advice += ", or give it a largest_force; a run is refused without --accept-unusual"
+                    advice += ", or give it a largest_force; a run is refused without accept_unusual"
             elif share > LOOSE and not pressed:
                 judgement, advice = NOTE, f"{advice}: it is not pressed"
             yield Row(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from .mesh_repair import diagonal
+from .mesh_repair import diagonal, edge_products
 from .mesh_topology import neighbours
 
 # Edges sharper than this [rad] are real edges, not between the facets of a fillet.
@@ -22,19 +23,39 @@ SILHOUETTE_COUNT = 1_000_000
 
 def face_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Unit normals (m, 3) and areas (m,) of the faces."""
-    p, q, r = (vertices[faces[:, k]] for k in range(3))
-    normal = np.cross(q - p, r - p)
-    length = np.linalg.norm(normal, axis=1)
-    return normal / np.maximum(length, 1e-300)[:, None], 0.5 * length
+    product = edge_products(vertices, faces)
+    x, y, z = product
+    length = np.sqrt(x * x + y * y + z * z)
+    least, normal = np.maximum(length, 1e-300), np.empty((len(faces), 3))
+    for k in range(3):
+        np.divide(product[k], least, out=normal[:, k])
+    return normal, 0.5 * length
 
 
-def sharp_edges(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+class Facets(NamedTuple):
+    """What several features of a mesh are made from.
+
+    Attributes:
+        normal: of each face, (m, 3).
+        area: of each face, (m,) [m^2].
+        pairs: edges that two faces share, see ``neighbours``.
+    """
+
+    normal: np.ndarray
+    area: np.ndarray
+    pairs: np.ndarray
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, faces: np.ndarray) -> Facets:
+        return cls(*face_normals(vertices, faces), neighbours(faces))
+
+
+def sharp_edges(vertices: np.ndarray, faces: np.ndarray, facets: Facets | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Convex sharp edges: the vertices of each (k, 2), and the normals of its two faces (k, 2, 3).
 
     Neither a border nor the bottom of a groove: a sheet is not bent around those.
     """
-    normal, _ = face_normals(vertices, faces)
-    pairs = neighbours(faces)
+    normal, _, pairs = facets or Facets.of(vertices, faces)
     one, other = pairs[:, 0] // 3, pairs[:, 1] // 3
     sharp = np.einsum("ij,ij->i", normal[one], normal[other]) < math.cos(SHARP)
     pairs, one, other = pairs[sharp], one[sharp], other[sharp]
@@ -46,14 +67,15 @@ def sharp_edges(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np
     return np.column_stack([start, end])[convex], np.stack([normal[one], normal[other]], axis=1)[convex]
 
 
-def fillet_radius(vertices: np.ndarray, faces: np.ndarray) -> float:
+def fillet_radius(vertices: np.ndarray, faces: np.ndarray, facets: Facets | None = None) -> float:
     """Area-weighted 5th percentile of the convex fillet radii [m]; infinite if nothing is rounded.
 
     From the second fundamental form per face that best fits the rotation of the vertex normals along its three edges.
     Sharp edges are ignored.
     """
-    normal, area = face_normals(vertices, faces)
-    usable = _rounded_faces(vertices, faces, normal, area)
+    facets = facets or Facets.of(vertices, faces)
+    normal, area, _ = facets
+    usable = _rounded_faces(len(vertices), faces, facets)
     if len(usable) > CURVATURE_FACE_COUNT:
         usable = np.sort(np.random.default_rng(0).choice(usable, CURVATURE_FACE_COUNT, replace=False))
     if not len(usable):
@@ -73,8 +95,9 @@ def convex_radii(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
     Infinite where a face is flat or hollow, and beside sharp edges.
     """
-    normal, area = face_normals(vertices, faces)
-    usable = _rounded_faces(vertices, faces, normal, area)
+    facets = Facets.of(vertices, faces)
+    normal = facets.normal
+    usable = _rounded_faces(len(vertices), faces, facets)
     radius = np.full(len(faces), math.inf)
     if len(usable):
         vertex_normal = _vertex_normals(vertices, faces, normal)
@@ -84,11 +107,12 @@ def convex_radii(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return radius
 
 
-def _rounded_faces(vertices: np.ndarray, faces: np.ndarray, normal: np.ndarray, area: np.ndarray) -> np.ndarray:
+def _rounded_faces(vertex_count: int, faces: np.ndarray, facets: Facets) -> np.ndarray:
     """Faces whose curvature can be estimated, (k,): a vertex at a sharp edge has no normal, and its faces none."""
-    pairs = neighbours(faces) // 3
+    normal, area, pairs = facets
+    pairs = pairs // 3
     sharp = np.einsum("ij,ij->i", normal[pairs[:, 0]], normal[pairs[:, 1]]) < math.cos(SHARP)
-    rounded_vertex = np.ones(len(vertices), dtype=bool)
+    rounded_vertex = np.ones(vertex_count, dtype=bool)
     rounded_vertex[faces[np.unique(pairs[sharp])].ravel()] = False
     return np.flatnonzero(np.all(rounded_vertex[faces], axis=1) & (area > 1e-6 * area.max()))
 

@@ -25,7 +25,7 @@ from ..quantities import FiniteVector, Vector, positive, unit_vector
 from ..ranges import Quantity, argument
 from .mesh_bodies import Parts, far_flecks, parts_of, united
 from .mesh_duplicates import separated
-from .mesh_features import face_normals, fillet_radius, sharp_edges, smallest_width
+from .mesh_features import Facets, face_normals, fillet_radius, sharp_edges, smallest_width
 from .mesh_repair import (
     SEAM,
     WELD,
@@ -112,9 +112,12 @@ class MeshSurface:
         # far from the origin single precision would be coarse
         middle = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         self.centre = middle if np.linalg.norm(middle) > diagonal(self.vertices) else np.zeros(3)
-        self.fillet_radius = fillet_radius(self.vertices, self.faces)
-        self.sharp_edges, self.sharp_edge_normals = sharp_edges(self.vertices, self.faces)
-        self._choose_samples(spacing, reach, max(diagonal(self.vertices[part]) for part in self.parts))
+        facets = Facets.of(self.vertices, self.faces)
+        self.fillet_radius = fillet_radius(self.vertices, self.faces, facets)
+        self.sharp_edges, self.sharp_edge_normals = sharp_edges(self.vertices, self.faces, facets)
+        several = len(self.parts) > 1
+        size = max(diagonal(self.vertices[part]) for part in self.parts) if several else diagonal(self.vertices)
+        self._choose_samples(spacing, reach, size)
 
     def _make_solid(self, vertices: np.ndarray, parts: Parts, side: Any) -> None:
         """Unite the bodies, and make the open sheet a solid behind its side."""
@@ -187,7 +190,7 @@ class MeshSurface:
             )
         direction = unit_vector(f"{self.name}: side", mean if side is None else side)
         faces = turned_outwards(parts.sheet, parts.patch, area * (normal @ np.array(direction)), area)
-        normal, area = face_normals(vertices, faces)
+        normal = np.where((faces[:, 0] != parts.sheet[:, 0])[:, None], -normal, normal)
         facing = area * (normal @ np.array(direction))
         if facing.sum() < 0.02 * total:
             raise InputError(

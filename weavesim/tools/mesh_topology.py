@@ -12,13 +12,15 @@ SEAM_CHUNK = 20_000
 
 def directed_edges(faces: np.ndarray) -> np.ndarray:
     """(3 m, 2): the edges of face i are rows 3 i to 3 i + 2."""
-    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    edges = np.empty((len(faces), 3, 2), dtype=faces.dtype)
+    edges[:, :, 0], edges[:, :2, 1], edges[:, 2, 1] = faces, faces[:, 1:], faces[:, 0]
+    return edges.reshape(-1, 2)
 
 
 def edge_keys(edges: np.ndarray) -> np.ndarray:
     """A number for each edge, the same for both directions."""
     low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
-    return low.astype(np.int64) * (int(edges.max(initial=0)) + 1) + high
+    return low.astype(np.int64, copy=False) * (int(edges.max(initial=0)) + 1) + high
 
 
 def neighbours(faces: np.ndarray) -> np.ndarray:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import warp as wp
 
+from ..device import launch_on_all_cores
 from ..kernels.contact.fill_samples import SampledTriangles, mesh_distance_kernel
 from .mesh_bodies import simplified
 from .mesh_features import face_normals
@@ -37,20 +40,39 @@ class SolidTriangles:
         if len(surface.faces) > MANY_TRIANGLES:
             count = f"{len(surface.faces):,}"
             logger.info("%s: sampling the distance to %s triangles", surface.name, count, extra=ANNOUNCED)
-        self.near = self.far = self.mesh = self._on_device(vertices, faces)
         self.largest = 10.0 * diagonal(vertices)
         if spacing is not None and len(faces) > SIMPLIFIED_FACE_COUNT:
             tolerances = NEAR_TOLERANCE * spacing, FAR_TOLERANCE * spacing
-            near, (vertices, faces) = simplified(vertices, faces, tolerances)
+            near, (vertices, faces) = self._simplified_meanwhile(tolerances)
             self.near, self.far = self._on_device(*near), self._on_device(vertices, faces)
+        else:
+            self.near = self.far = self.mesh = self._on_device(vertices, faces)
         self.crossed = int(self._has_inner_faces(vertices, faces))
 
-    def _on_device(self, vertices: np.ndarray, faces: np.ndarray) -> wp.Mesh:
-        return wp.Mesh(
-            points=wp.array(vertices - self.surface.centre, dtype=wp.vec3, device=self.device),
-            indices=wp.array(faces.ravel(), dtype=wp.int32, device=self.device),
-            support_winding_number=True,
-        )
+    def _simplified_meanwhile(self, tolerances: tuple[float, float]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Simplified triangles, made while ``mesh`` is built from those as given.
+
+        manifold3d does not let Python go on while it works, but Warp does: it must have begun.
+        """
+        vertices, faces = self.surface.solid_vertices, self.surface.solid_faces
+        begin = threading.Event()
+
+        def simplify() -> list[tuple[np.ndarray, np.ndarray]]:
+            begin.wait()
+            return simplified(vertices, faces, tolerances)
+
+        with ThreadPoolExecutor(1) as pool:
+            others = pool.submit(simplify)
+            self.mesh = self._on_device(vertices, faces, begin)
+            return others.result()
+
+    def _on_device(self, vertices: np.ndarray, faces: np.ndarray, begin: threading.Event | None = None) -> wp.Mesh:
+        """A mesh on the device; ``begin`` is set just before its tree is built."""
+        points: wp.array = wp.array(vertices - self.surface.centre, dtype=wp.vec3, device=self.device)
+        indices: wp.array = wp.array(faces.ravel(), dtype=wp.int32, device=self.device)
+        if begin is not None:
+            begin.set()
+        return wp.Mesh(points=points, indices=indices, support_winding_number=True)
 
     def sampled(self, band: float) -> SampledTriangles:
         """What is sampled, the finer triangles within ``band`` [m] of the surface."""
@@ -71,6 +93,10 @@ class SolidTriangles:
         """Signed distance (n,) [m] of ``points`` (n, 3) to one of the meshes."""
         distance = wp.zeros(len(points), dtype=float, device=self.device)
         near: wp.array = wp.array(points - self.surface.centre, dtype=wp.vec3, device=self.device)
-        inputs = [mesh.id, near, self.largest, crossed]
-        wp.launch(mesh_distance_kernel, dim=len(points), inputs=inputs, outputs=[distance], device=self.device)
+        launch_on_all_cores(
+            mesh_distance_kernel,
+            (len(points),),
+            lambda own: [mesh.id, near[own], self.largest, crossed, distance[own]],
+            self.device,
+        )
         return distance.numpy().astype(np.float64)

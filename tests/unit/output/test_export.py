@@ -216,6 +216,12 @@ def test_constants_come_from_a_file(tmp_path):
     path.write_text(path.read_text().replace("0.3", "0.99").replace("9e9", "4e10"))
     with pytest.raises(InputError, match="would release energy"):
         Lamina.from_file(path)
+    path.write_text(
+        "modulus_along = 40\nmodulus_across = 9\npoisson_ratio = 0.3\nshear_modulus = 4\n"
+        "shear_modulus_across = 3\ndensity = 1900\n"
+    )
+    with pytest.raises(InputError, match="modulus_along = 40 Pa: usual are .* write 4e.10 for 40 GPa"):
+        Lamina.from_file(path)
     path.write_text("modulus = 1.0\n")
     with pytest.raises(InputError, match="modulus"):
         Lamina.from_file(path)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from tests.support.solids import LEFT, RIGHT, SIZE, agrees, box, notes, repeated, sheet, shuffled, together
+from weavesim.tools import mesh_duplicates
+from weavesim.tools.mesh_duplicates import _distinct, _triangle_numbers
 from weavesim.tools.mesh_tool import MeshSurface
 from weavesim.tools.sampling import exact_distance
 
@@ -54,3 +56,18 @@ def test_blocks_with_a_common_wall_in_a_file_without_order(cuts):
     mesh = shuffled(together((vertices, faces), ((0.06, 0.0, 0.0) + vertices * (-1.0, 1.0, 1.0), faces[:, ::-1])))
     surface = agrees(mesh, [(SIZE, (0.0, 0.0, 0.0)), (SIZE, (0.06, 0.0, 0.0))])
     assert f"{2 * 4**cuts} triangles between bodies that touch removed" in notes(surface)
+
+
+@pytest.mark.parametrize("count", [0, 1, 500])
+def test_distinct_numbers_are_those_of_numpy(count):
+    numbers = np.random.default_rng(0).integers(0, 200, count)
+    for found, expected in zip(_distinct(numbers), np.unique(numbers, return_counts=True), strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_triangles_have_the_same_numbers_in_one_step_and_in_two(monkeypatch):
+    _, faces = shuffled(together(box(cuts=2), box(cuts=2)))
+    faces = np.concatenate([faces, faces[::3, [1, 2, 0]], faces[::5, ::-1]])
+    at_once = _triangle_numbers(faces)
+    monkeypatch.setattr(mesh_duplicates, "LARGEST_CUBE", 0)
+    np.testing.assert_array_equal(_triangle_numbers(faces), at_once)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from weavesim.tools.mesh_features import face_normals
+from weavesim.tools.mesh_repair import edge_products
 from weavesim.tools.mesh_tool import MeshShape, MeshSurface
 from weavesim.tools.shapes import Capsule, DomePunch, Plane, Sphere, Torus, Union, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -108,3 +110,13 @@ def test_a_punch_with_a_sharp_back_has_no_sharp_edge_for_the_sheet():
     assert tool.fillet_radius == pytest.approx(0.03, rel=0.1)
     assert tool.elements_per_quarter_turn(0.005) == pytest.approx(0.5 * math.pi * 6.0, rel=0.1)
     assert len(tool.sharp_edges_facing(grid())) == 0
+
+
+def test_products_of_edges_are_those_of_numpy_to_the_bit():
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.05)
+    p, q, r = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    product = np.column_stack(edge_products(mesh.vertices, mesh.faces))
+    np.testing.assert_array_equal(product, np.cross(q - p, r - p))
+    normal, area = face_normals(mesh.vertices, mesh.faces)
+    np.testing.assert_array_equal(area, 0.5 * np.linalg.norm(product, axis=1))
+    np.testing.assert_array_equal(normal, product / np.linalg.norm(product, axis=1)[:, None])

@@ -232,6 +232,12 @@ def lay(
     size = float(np.sqrt(flat_areas(blank).mean())) if side is None else side
     if not 0.0 < size < np.inf:
         raise InputError(f"kinematic drape: side = {side} m: a positive length is needed")
+    largest = 0.5 * float(np.ptp(blank.material_coordinates, axis=0).min())
+    if size > largest:
+        raise InputError(
+            f"kinematic drape: side = {size:g} m: at most {largest:.4g} m, half the width of the blank, shows "
+            "anything; it is in metres"
+        )
     # half a cell aside, so that borders and planes of symmetry lie on yarns
     lengths = (blank.material_coordinates - np.array(seed)) @ yarns[0].T
     with np.errstate(over="ignore"):

@@ -14,7 +14,7 @@ from ...checks import Parameters, Positive
 from ...documents import read_document
 from ...errors import InputError
 from ...input_files import shown
-from ...ranges import Quantity
+from ...ranges import Quantity, unusual_values
 
 
 class Lamina(Parameters):
@@ -46,12 +46,15 @@ class Lamina(Parameters):
         """From a TOML or JSON file with these names.
 
         Raises:
-            InputError: a file that cannot be read, or bad values.
+            InputError: a file that cannot be read, or values that are not allowed or not usual.
         """
         try:
-            return cls(**read_document(path, "lamina file").values)
+            lamina = cls(**read_document(path, "lamina file").values)
         except TypeError as error:
             raise InputError(f"lamina file {shown(path)}: {error}") from None
+        if found := list(unusual_values(lamina)):
+            raise InputError(f"lamina file {shown(path)}: {'; '.join(found)}")
+        return lamina
 
 
 # E-glass (73 GPa) in polypropylene (1.5 GPa), 35 % fibres: rule of mixtures along the fibres, Halpin-Tsai across them.

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...documents import read_document
+from ...errors import InputError
+from ...input_files import shown
 from ...measures.defects.judgement import Distance, Judgement, Limits, Region
+from ...ranges import unusual_values
 from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
@@ -32,9 +35,14 @@ def read_limits(path: Path | None) -> Limits:
     """Limits of a TOML or JSON file, or those that are built in.
 
     Raises:
-        InputError: a file that cannot be read, or bad limits.
+        InputError: a file that cannot be read, or limits that are not allowed or not usual.
     """
-    return Limits() if path is None else Limits(**read_document(path, "file of limits").values)
+    if path is None:
+        return Limits()
+    limits = Limits(**read_document(path, "file of limits").values)
+    if found := list(unusual_values(limits)):
+        raise InputError(f"file of limits {shown(path)}: {'; '.join(found)}")
+    return limits
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 
+from ...device import launch_on_all_cores
 from ...kernels.contact.list_nearest import count_nearest_kernel, list_nearest_kernel
 from ...kernels.contact.mesh_samples import TILE_SIZE
 from ...kernels.contact.nearest_triangle import CELL_COUNT, PART_COUNT, NearestTriangles
@@ -78,13 +79,20 @@ def _lists(
     device, shape = triangles.device, (len(corner), int(PART_COUNT))
     corners: wp.array = wp.array(corner, dtype=wp.vec3, device=device)
     count = wp.zeros(shape, dtype=wp.int32, device=device)
-    inputs = [triangles.mesh.id, corners, spacing, largest]
-    wp.launch(count_nearest_kernel, dim=shape, inputs=inputs, outputs=[count], device=device)
+    mesh, parts = triangles.mesh.id, int(PART_COUNT)
+    launch_on_all_cores(
+        count_nearest_kernel, shape, lambda own: [mesh, corners[own], spacing, largest, count[own]], device
+    )
     first = np.concatenate([[0], np.cumsum(count.numpy().ravel())]).astype(np.int32)
     away = wp.zeros(int(first[-1]), dtype=wp.float32, device=device)
     triangle = wp.zeros(int(first[-1]), dtype=wp.int32, device=device)
     firsts: wp.array = wp.array(first, dtype=wp.int32, device=device)
-    wp.launch(list_nearest_kernel, dim=shape, inputs=[*inputs, firsts], outputs=[away, triangle], device=device)
+
+    def listed(own: slice) -> list[Any]:
+        of_own = firsts[parts * own.start : parts * own.stop + 1]
+        return [mesh, corners[own], spacing, largest, of_own, away, triangle]
+
+    launch_on_all_cores(list_nearest_kernel, shape, listed, device)
     return first, away.numpy(), triangle.numpy()
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import warp as wp
 
+from ...device import launch_on_all_cores
 from ...kernels.contact.fill_samples import (
     BLOCK_SIZE,
     Doubt,
@@ -14,6 +16,7 @@ from ...kernels.contact.fill_samples import (
     fill_tiles_kernel,
     mark_cells_kernel,
     share_corners_kernel,
+    tell_sides_kernel,
 )
 from ...kernels.contact.mesh_samples import TILE_CORNERS, TILE_STRIDE, SampledMesh
 from ...kernels.contact.nearest_triangle import CELL_COUNT
@@ -31,6 +34,11 @@ def record_of(grid: Grid, tiles: wp.array, values: wp.array) -> SampledMesh:
     return result
 
 
+def of_own(values: wp.array, own: slice) -> wp.array:
+    """The samples of some tiles."""
+    return values[int(TILE_STRIDE) * own.start : int(TILE_STRIDE) * own.stop]
+
+
 def filled_values(triangles: SolidTriangles, grid: Grid, tiles: wp.array, band: float) -> wp.array:
     """Samples of all stored tiles, by the finer triangles within ``band`` [m] of the surface."""
     device, count = triangles.device, len(grid.first_voxel)
@@ -40,8 +48,19 @@ def filled_values(triangles: SolidTriangles, grid: Grid, tiles: wp.array, band: 
     distance = triangles.distance(points, triangles.far, triangles.crossed)
     centre_distance: wp.array = wp.array(distance.reshape(-1, 8), dtype=float, device=device)
     values = wp.zeros(count * int(TILE_STRIDE), dtype=wp.float32, device=device)
-    inputs = [triangles.sampled(band), first_voxel, centre_distance, wp.vec3(*grid.first), grid.spacing, grid.reach]
-    wp.launch(fill_tiles_kernel, dim=(count, int(CELL_COUNT)), inputs=inputs, outputs=[values], device=device)
+    told = wp.zeros((count, int(CELL_COUNT)), dtype=wp.uint8, device=device)
+    sampled, first = triangles.sampled(band), wp.vec3(*grid.first)
+
+    def of_tiles(own: slice) -> list[Any]:
+        where = [first_voxel[own], centre_distance[own], first, grid.spacing, grid.reach]
+        return [sampled, *where, of_own(values, own), told[own]]
+
+    def of_untold(own: slice) -> list[Any]:
+        return [sampled, untold[own], first_voxel, tiles, told, first, grid.spacing, values]
+
+    launch_on_all_cores(fill_tiles_kernel, (count, int(CELL_COUNT)), of_tiles, device)
+    untold: wp.array = wp.array(np.flatnonzero(told.numpy() == 0), dtype=wp.int32, device=device)
+    launch_on_all_cores(tell_sides_kernel, (len(untold),), of_untold, device)
     wp.launch(
         share_corners_kernel,
         dim=(count, int(TILE_CORNERS) ** 3),
@@ -73,7 +92,11 @@ def doubted_cells(
     device, shape = triangles.device, (len(grid.first_voxel), int(CELL_COUNT))
     first_voxel: wp.array = wp.array(grid.first_voxel, dtype=wp.vec3i, device=device)
     doubted = wp.zeros(shape, dtype=wp.uint8, device=device)
-    inputs = [triangles.near.id, triangles.crossed, sampled, first_voxel, limits]
-    wp.launch(doubt_cells_kernel, dim=shape, inputs=inputs, outputs=[doubted], device=device)
+
+    def of_tiles(own: slice) -> list[Any]:
+        where = [sampled, of_own(values, own), first_voxel[own]]
+        return [triangles.near.id, triangles.crossed, *where, limits, doubted[own]]
+
+    launch_on_all_cores(doubt_cells_kernel, shape, of_tiles, device)
     wp.launch(mark_cells_kernel, dim=shape, inputs=[doubted], outputs=[values.view(wp.int32)], device=device)
     return doubted.numpy()

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.model import Model
 from ..engine.state import State
-from ..kernels.rows import PassEntry
+from ..kernels.pass_entries import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 

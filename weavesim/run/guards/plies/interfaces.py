@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ....kernels.rows import PassEntry
+from ....kernels.pass_entries import PassEntry
 from ....process.friction import Friction
 from ...diagnosis import LARGEST_PLY_PENETRATION
 from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables

@@ -18,13 +18,16 @@ PYTHON_IN_VENV := $(VENV)/bin/python
 # Two workers suit two cores; more would mostly compile the same kernels once more each.
 WORKERS ?= 2
 
+# The hundred processes that the tests start read compiled modules where the environment asks that none are written.
+test test-fast: export PYTHONDONTWRITEBYTECODE =
+
 .PHONY: demo test test-fast verify hour render readers soak site gallery notebooks audit release lint clean
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
 
 test: $(VENV)/.installed-test
-	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile
+	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 test-fast: $(VENV)/.installed-test
 	$(PYTHON_IN_VENV) -m pytest --numprocesses $(WORKERS) --dist worksteal -m "not verification and not slow"

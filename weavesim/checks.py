@@ -80,6 +80,7 @@ class Parameters(_Model):
 
     model_config = ConfigDict(
         frozen=True,
+        defer_build=True,
         extra="forbid",
         arbitrary_types_allowed=True,
         validate_default=True,

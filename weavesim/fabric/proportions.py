@@ -11,6 +11,7 @@ from .bending.law import YarnName
 from .bending.yarns import YarnBending
 from .cell.contract import UnitCell
 from .cell.membrane import LinearMembrane
+from .cell.tape import UnidirectionalTape
 from .cell.weaves import CrossedYarns
 
 if TYPE_CHECKING:
@@ -93,6 +94,22 @@ def families_apart(cell: UnitCell) -> Iterator[str]:
     """A sentence on warp and weft of a cell whose stiffnesses are so far apart that a unit is likely wrong."""
     if isinstance(cell, CrossedYarns | LinearMembrane):
         yield from _families("the yarn stiffness per width", "N/m", cell.yarn_stiffness_per_width, "N/mm, MPa, mm^2")
+
+
+def families_alike(fabric: Fabric) -> bool:
+    """Whether warp and weft may be exchanged: every number of the one is that of the other.
+
+    Of parts that do not call them by name, such as a bending modulus, it is taken for granted; not so of a tape.
+    """
+    cell = fabric.unit_cell
+    if isinstance(cell, UnidirectionalTape) or getattr(cell, "warp_crimp_share", 0.5) != 0.5:
+        return False
+    for part in (cell, fabric.bending):
+        for name in type(part).model_fields:
+            other = name.replace("warp", "weft")
+            if other != name and hasattr(part, other) and getattr(part, name) != getattr(part, other):
+                return False
+    return True
 
 
 def _families(what: str, unit: str, both: Sequence[float], slip: str) -> Iterator[str]:

@@ -284,11 +284,11 @@ def seek_own_facets_kernel(real: type):
         for place in range(points.touching.shape[0]):
             other = points.touching[place, group]
             if other >= 0:
-                way = gap_between(nodes, facets, group, other) - limit
+                way = wp.max(
+                    gap_between(nodes, facets, group, other) - limit, quiet_way(points, nodes, facets, group, other)
+                )
                 if not way > real(0.0):
-                    way = quiet_way(points, nodes, facets, group, other)
-                    if not way > real(0.0):
-                        compare(points, nodes, facets, group, other, limit, found)
+                    compare(points, nodes, facets, group, other, limit, found)
                 least = wp.min(least, way)
         return real(1.0) / wp.max(least, real(NO_WAY))
 

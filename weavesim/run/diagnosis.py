@@ -62,8 +62,8 @@ def _late_contact(model: Model, state: State) -> Failure | None:
         if own.entry.numpy()[PassEntry.late] > 0.0:
             text = (
                 f"{each.name}: before {state.time:.4g} s a node went past the facets on which it "
-                "was looked for, so that a contact may have been missed: sheets slide faster than the search allows; "
-                "move the tools more slowly"
+                "was looked for, so that a contact may have been missed: elements have turned over, or sheets slide "
+                "faster than the search allows; refine the mesh, or move the tools more slowly"
             )
             return Failure(text, state.time, each.slave.name, None)
     return None

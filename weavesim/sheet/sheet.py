@@ -125,9 +125,16 @@ class Sheet(Parameters):
 
     def _check_yarns(self, plane: str, on_plane: np.ndarray) -> None:
         """Check that the yarns at a plane of symmetry go on in their mirror image."""
-        near = on_plane[self.blank.quads].any(axis=1)
-        warp = self.oriented_blank.warp_direction
-        angle = np.degrees(np.arcsin(np.minimum(np.abs(warp[near, AXES[plane]]), 1.0)))
+        quads, warp = self.blank.quads, self.oriented_blank.warp_direction
+        element, corner = np.nonzero(on_plane[quads] & on_plane[np.roll(quads, -1, axis=1)])
+        if not len(element):
+            return
+        # within the sheet: across a sharp bend at the plane, the yarns of the elements beside it lean by themselves
+        along = self.blank.node_position[quads[element, (corner + 1) % 4]]
+        along = along - self.blank.node_position[quads[element, corner]]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        cosine = np.abs(np.einsum("ei,ei->e", warp[element], along))
+        angle = 90.0 - np.degrees(np.arcsin(np.minimum(cosine, 1.0)))
         # yarns that curve are at another angle half an element beside the plane
         limit = LARGEST_LEAN if np.ptp(warp, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
         lean = float(np.minimum(angle, 90.0 - angle).min())

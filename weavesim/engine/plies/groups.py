@@ -73,17 +73,15 @@ def groups_that_hang_together(
     next_to = ((of_second @ of_second.T) > 0).astype(np.int32)
     reached = ((of_first @ of_second.T) > 0).astype(np.int32)
     size = max(float(np.median(other_high - other_low)), 1e-12)
-    steps = min(4, int(np.ceil(distance / size)))
+    # a thin group may lie between
+    steps = min(4, int(np.ceil(distance / size))) + 1 if distance > 0.0 else 0
     for _ in range(steps):
         reached = ((reached @ next_to) > 0).astype(np.int32)
     whole = ~np.array([cut[column[column >= 0]].any() for column in first.T])
     other_whole = ~np.array([cut[column[column >= 0]].any() for column in second.T])
-    # boxes of groups touch that have another one between them
-    farther = ((reached @ next_to) > 0).astype(np.int32) if steps else reached
-    group, other = farther.nonzero()
+    group, other = reached.nonzero()
     gap = np.maximum(other_low[other] - high[group], low[group] - other_high[other]).max(axis=1)
-    near = np.asarray(reached[group, other]).ravel() > 0
-    kept = (gap <= np.where(near, distance, 0.0)) & whole[group] & other_whole[other]
+    kept = (gap <= distance) & whole[group] & other_whole[other]
     group, other = group[kept], other[kept]
     order = np.lexsort((other, group))
     ends = np.searchsorted(group[order], np.arange(1, first.shape[1]))

@@ -99,7 +99,8 @@ class Interfaces(Guard):
                 Level.DO_NOT_USE,
                 f"{name}: a node went past the facets on which it was looked for, so that a contact may have "
                 "been missed",
-                "plies slide faster than the search allows: move the tools more slowly",
+                "elements have turned over, or plies slide faster than the search allows: refine the mesh, or move the "
+                "tools more slowly",
             )
         self._see(k, model, rows["push"], run.run.state.time)
         found = self._deepest.get(k)

@@ -277,7 +277,7 @@ class PlyRow(Rows):
     eta = "1", "second coordinate of its foot"
     spring = "m", "tangential spring", 3
     push = "N", "force of the normal spring"
-    damped_share = "1", "share of the dashpot in the force along the normal"
+    dashpot = "N", "force of the dashpot along the normal; where it pulls, at most as much as the spring pushes"
     distance = "m", "distance of the mid-surfaces at which they touch, with the facet's sagitta"
     entry = "m", "penetration at which the contact began, as far as it has not been given back: it makes no force"
     depth = "m", "penetration, with the entry; NO_DEPTH without a foot"
@@ -298,17 +298,6 @@ class PlyWorkRow(Rows):
     friction_work = "J", "work done against friction, lost or held in the friction springs"
     damping_loss = "J", "energy lost in dashpots, and of springs that are released at a free edge"
     thickness_work = "J", "work of the change of the distance at which the plies touch"
-
-
-class PassEntry(Rows):
-    """What the search of one pass finds at every update of the stable step; one array of float64."""
-
-    reach = "m", "how far both plies together may move until the next update"
-    rebuild = "1", "1 if lists of candidates are made anew"
-    stray_count = "1", "nodes that have found a foot at this update"
-    late = "1", "1 if a node has ever left the facets on which it was listed: a contact may have been missed"
-    deepest = "m", "deepest penetration so far that makes a force, at an update"
-    watched = "1", "0 while every block of nodes sleeps, far from the facets"
 
 
 class LoadRow(Rows):

@@ -80,6 +80,7 @@ class Parameters(_Model):
 
     model_config = ConfigDict(
         frozen=True,
+        defer_build=True,
         extra="forbid",
         arbitrary_types_allowed=True,
         validate_default=True,
@@ -121,7 +122,9 @@ class Parameters(_Model):
     def __init__(self, *arguments: Any, **values: Any) -> None:
         names = self.positional[: len(arguments)]
         if len(arguments) > len(names):
-            allowed = ", ".join(self.positional) or "none"
+            own = [name for name in type(self).model_fields if name not in self.positional]
+            by_name = f"; give others by name: {', '.join(own[:8])}{', ...' if own[8:] else ''}" if own else ""
+            allowed = (", ".join(self.positional) or "none") + by_name
             raise InputError(
                 f"{type(self).__name__}: {len(arguments)} values are given by position; allowed are {allowed}"
             )
@@ -131,6 +134,14 @@ class Parameters(_Model):
             super().__init__(**dict(zip(names, arguments, strict=True)), **values)
         except ValidationError as error:
             raise InputError(_of_class(type(self), _problems(error, type(self).model_fields))) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in type(self).model_fields:
+            raise InputError(
+                f"{type(self).__name__}: {name} does not change once it is made; "
+                f"model_copy(update={{{name!r}: ...}}) makes another value"
+            )
+        super().__setattr__(name, value)
 
     def _repr_html_(self) -> str:
         """A table for notebooks."""

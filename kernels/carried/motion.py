@@ -7,7 +7,15 @@ import warp as wp
 from ..contact.carried_pose import store_vector, vector_entries
 from ..rows import ClockEntry, ToolPoseRow, ToolWorkRow
 from ..stepping.supports import piecewise_cubic
-from ..stepping.tools import ToolBooks, ToolDrives, add, move_tool, total_force, wait_for_block
+from ..stepping.tools import (
+    ToolBooks,
+    ToolDrives,
+    add,
+    move_tool_function,
+    total_force,
+    wait_for_block,
+    watch_tool,
+)
 
 # Curves of a tool: x, y and z of its path, and its angle.
 CURVE_COUNT = wp.constant(4)
@@ -106,7 +114,7 @@ def carried_motion_kernel(real: type):
 
     Of ``reactions`` the first half of the rows are forces, the others their moments about the pivots.
     """
-    vec3 = wp.types.vector(3, real)
+    vec3, move_tool = wp.types.vector(3, real), move_tool_function(True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def carried_motion(
@@ -133,9 +141,11 @@ def carried_motion_kernel(real: type):
             motion.moment[k] = moment
             velocity = vector_entries(motion.pose, k, ToolPoseRow.velocity)
             spin = vector_entries(motion.pose, k, ToolPoseRow.spin)
-            move_tool(k, total, drives, clock, motion.displacement, motion.velocity, kept, books)
-            along = motion.displacement[k] * drives.axis[k]
-            new_velocity, new_spin = carry_tool(k, carriers, along, next_time, step, motion.pose)
+            along = wp.dot(total, drives.axis[k])
+            wanted = move_tool(k, along, drives, clock, motion.displacement, motion.velocity, kept, books)
+            watch_tool(books.watch, k, step, wanted, total, along)
+            way = motion.displacement[k] * drives.axis[k]
+            new_velocity, new_spin = carry_tool(k, carriers, way, next_time, step, motion.pose)
             # as in ``move_tool``: the travel at the instant of the forces is the mean of two half steps
             work = half * (wp.dot(total, velocity + new_velocity) + wp.dot(moment, spin + new_spin))
             add(books.work, ToolWorkRow.carrying, k, -work)

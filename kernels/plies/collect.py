@@ -11,8 +11,9 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types
-from ..rows import PassEntry, PlyRow
-from .data import TOO_MANY, listed_struct, record_struct
+from ..pass_entries import PassEntry
+from ..rows import PlyRow
+from .data import TOO_MANY, UNSOUGHT, listed_struct, record_struct
 from .facet import facets_struct
 from .search import search_struct, watch_struct
 
@@ -29,7 +30,7 @@ def survey_struct(real: type):
         travel: wp.array(dtype=real)  # longest way of a node since the lists were made [m]
         deepest: wp.array(dtype=real)  # deepest penetration that makes a force [m]
         late: wp.array(dtype=wp.int32)  # 1 if a pressed node had gone too far
-        watched: wp.array(dtype=wp.int32)  # 1 if a block of it is watched
+        watched: wp.array(dtype=wp.int32)  # 2 if a block of it is watched, 1 if a node follows a facet, or seeks one
         stray: wp.array(
             dtype=wp.int32
         )  # [group of nodes]: how many have just found a foot; then the place of the first
@@ -39,7 +40,7 @@ def survey_struct(real: type):
 
 @cache
 def group_speed_kernel(real: type):
-    """Kernel over groups of blocks of nodes: their largest squared speed [m^2/s^2]."""
+    """Kernel over groups of blocks of nodes: their largest squared speed [m^2/s^2]; or the largest of other values."""
 
     @wp.kernel(module="unique", enable_backward=False)
     def group_speed(squared_speed: wp.array(dtype=real), largest: wp.array(dtype=real)):
@@ -60,6 +61,8 @@ def survey_groups_kernel(real: type):
 
     @wp.kernel(module="unique", enable_backward=False)
     def survey_groups(watch: Watch, way: wp.array(dtype=real), survey: Survey):
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         group = wp.tid()
         first = group * GROUP
         travel = real(0.0)
@@ -71,7 +74,9 @@ def survey_groups_kernel(real: type):
             deepest = wp.max(deepest, watch.deepest[block])
             late = wp.max(late, watch.late[block])
             if not way[block] > real(0.0):
-                watched = 1
+                watched = 2
+            elif way[block] < real(0.5) * real(UNSOUGHT):
+                watched = wp.max(watched, 1)
         survey.travel[group] = travel
         survey.deepest[group] = deepest
         survey.late[group] = late
@@ -87,6 +92,8 @@ def count_strays_kernel(real: type):
 
     @wp.kernel(module="unique", enable_backward=False)
     def count_strays(watch: Watch, survey: Survey):
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         group = wp.tid()
         first = group * GROUP
         count = wp.int32(0)
@@ -107,6 +114,9 @@ def sum_up_kernel(real: type):
         search: Search, watch: Watch, survey: Survey, awake: wp.array(dtype=wp.int32),
         facets_awake: wp.array(dtype=wp.int32),
     ):  # fmt: skip
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            watch.entry[PassEntry.rebuild] = wp.float64(0.0)
+            return
         longest = real(0.0)
         late = watch.entry[PassEntry.late]
         deepest = real(watch.entry[PassEntry.deepest])
@@ -123,10 +133,11 @@ def sum_up_kernel(real: type):
             total = total + count
         watch.entry[PassEntry.late] = late
         watch.entry[PassEntry.deepest] = wp.float64(deepest)
-        watch.entry[PassEntry.watched] = wp.float64(watched)
+        watch.entry[PassEntry.watched] = wp.float64(watched // 2)
+        watch.entry[PassEntry.followed] = wp.float64(wp.min(watched, 1))
         # ``plan_search`` began with 0
-        awake[0] = wp.max(awake[0], watched)
-        facets_awake[0] = wp.max(facets_awake[0], watched)
+        awake[0] = wp.max(awake[0], watched // 2)
+        facets_awake[0] = wp.max(facets_awake[0], watched // 2)
         watch.entry[PassEntry.stray_count] = wp.float64(total)
         rebuild = total > 0 or longest > real(0.5) * search.skin
         watch.entry[PassEntry.rebuild] = wp.where(rebuild, wp.float64(1.0), wp.float64(0.0))
@@ -141,6 +152,8 @@ def list_strays_kernel(real: type):
 
     @wp.kernel(module="unique", enable_backward=False)
     def list_strays(watch: Watch, survey: Survey):
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         group = wp.tid()
         first = group * GROUP
         place = survey.stray[group]
@@ -279,3 +292,47 @@ def begin_travel_kernel(real: type, lane_count: int):
             record.rows[PlyRow.travel, block] = travel
 
     return begin_travel
+
+
+@cache
+def settle_own_search_kernel(real: type):
+    """Kernel of one thread: how far a sheet may move before it is searched again, and which passes are busy."""
+    Entries = wp.array(dtype=wp.float64)
+
+    @wp.func
+    def way_of(urgency: wp.array(dtype=real)):
+        largest = real(1.0) / real(UNSOUGHT)
+        for k in range(urgency.shape[0]):
+            largest = wp.max(largest, urgency[k])
+        return wp.where(largest < real(0.5) * real(UNSOUGHT), wp.float64(1.0) / wp.float64(largest), wp.float64(0.0))
+
+    @wp.func
+    def settle(entry: Entries, near: wp.float64):
+        entry[PassEntry.busy] = wp.max(near, entry[PassEntry.followed])
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def settle_own_search(
+        # In
+        urgency: wp.array(dtype=real),  # see ``found_struct``; largest ones of many groups
+        far_urgency: wp.array(dtype=real),
+        # Out
+        first: Entries,  # of the four passes: see PassEntry
+        second: Entries,
+        third: Entries,
+        fourth: Entries,
+        awake: wp.array(dtype=wp.int32),  # whether the passes need normals, as ``sum_up`` finds
+    ):
+        awake[0] = 0
+        near = wp.float64(0.0)
+        if first[PassEntry.sought] > wp.float64(0.0):
+            first[PassEntry.quiet] = way_of(urgency)
+            if first[PassEntry.sought] > wp.float64(1.0):
+                first[PassEntry.apart] = way_of(far_urgency)
+            if wp.min(first[PassEntry.quiet], first[PassEntry.apart]) <= wp.float64(0.0):
+                near = wp.float64(1.0)
+        settle(first, near)
+        settle(second, near)
+        settle(third, near)
+        settle(fourth, near)
+
+    return settle_own_search

@@ -8,6 +8,8 @@ from ..contact.friction import friction_law_struct
 from ..lanes import GPU_LANE_COUNT, lane_types
 from .facet import facets_struct
 
+# Way of nodes without a foot that never seek one by themselves [m].
+UNSOUGHT = wp.constant(1.0e30)
 # Blocks of a call on a CPU: a call on one block that sleeps would cost more than the look at it.
 _BLOCKS_PER_CALL = 16
 # Penetration of a node that has no foot [m].
@@ -69,6 +71,7 @@ def record_struct(real: type, lane_count: int):
         works: wp.array2d(dtype=types.lanes)  # see PlyWorkRow
         total: wp.array2d(dtype=types.lanes)  # contact force on the node of all passes [N]
         way: wp.array(dtype=real)  # how far a block may move before any of its nodes can touch [m]; 0: watch it
+        entry: wp.array(dtype=wp.float64)  # see PassEntry
         last_step: wp.array(dtype=real)  # mean step over which the forces of the last step acted [s]
 
     return Record

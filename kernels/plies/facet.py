@@ -1,7 +1,11 @@
 """The surface of a sheet within one element, and the foot of a point on it (docs/plies.md).
 
-The facet is the bilinear quadrilateral of its four nodes, with their normals interpolated alike. Positions and normals
-are shared along edges, so that feet cover the sheet once: there are no cases for edges and corners.
+The facet is the bilinear quadrilateral of its four nodes. Their normals are interpolated with a quadratic part along
+each coordinate, which makes them perpendicular to the facet on the mean: on an edge n = m + q xi + b (1 - xi^2) with
+b = -3/2 (a.m) a/(a.a), where a is half of the edge, m and q mean and half difference of the normals at its ends.
+Normals that turn by unlike angles at both ends, as where a crease begins, would otherwise lean, and a node that slides
+over the facet and back would gain energy (docs/decisions/0061). Positions and normals are shared along edges, so that
+feet cover the sheet once: there are no cases for edges and corners.
 """
 
 from functools import cache
@@ -176,12 +180,64 @@ def corner_weight(corner: int, xi: Any, eta: Any):
 
 
 @wp.func
+def lean1(x: Any, d: Any, eta: Any):
+    """How far the mean normal of a line along xi leans along it, times half its length: linear between the edges."""
+    across = fill(eta, 1.0) - eta * eta
+    return dot(patch_along1(x, eta), d.mean + scale(eta, d.along2)) + across * dot(x.twist, d.along2)
+
+
+@wp.func
+def lean2(x: Any, d: Any, xi: Any):
+    """The same of a line along eta."""
+    across = fill(xi, 1.0) - xi * xi
+    return dot(patch_along2(x, xi), d.mean + scale(xi, d.along1)) + across * dot(x.twist, d.along1)
+
+
+@wp.func
+def bend1(x: Any, d: Any, eta: Any):
+    """Quadratic part of the normals along xi."""
+    along = patch_along1(x, eta)
+    return scale(eta.dtype(-1.5) * lean1(x, d, eta) / dot(along, along), along)
+
+
+@wp.func
+def bend2(x: Any, d: Any, xi: Any):
+    """Quadratic part of the normals along eta."""
+    along = patch_along2(x, xi)
+    return scale(xi.dtype(-1.5) * lean2(x, d, xi) / dot(along, along), along)
+
+
+@wp.func
+def normal_at(x: Any, d: Any, xi: Any, eta: Any):
+    """Interpolated normal, of a length near one."""
+    one = fill(xi, 1.0)
+    bent = scale(one - xi * xi, bend1(x, d, eta)) + scale(one - eta * eta, bend2(x, d, xi))
+    return patch_at(d, xi, eta) + bent
+
+
+@wp.func
 def sagitta(x: Any, d: Any, xi: Any, eta: Any):
     """Height of the surface that the normals describe over the bilinear facet, along them."""
     one = fill(xi, 1.0)
-    bow1 = (one - xi * xi) * dot(patch_along1(x, eta), patch_along1(d, eta))
-    bow2 = (one - eta * eta) * dot(patch_along2(x, xi), patch_along2(d, xi))
+    turn1 = dot(patch_along1(x, eta), patch_along1(d, eta))
+    turn2 = dot(patch_along2(x, xi), patch_along2(d, xi))
+    bow1 = (one - xi * xi) * (turn1 + xi * lean1(x, d, eta))
+    bow2 = (one - eta * eta) * (turn2 + eta * lean2(x, d, xi))
     return one.dtype(0.5) * (bow1 + bow2)
+
+
+@wp.func
+def offset_along1(x: Any, d: Any, xi: Any, eta: Any, g: Any):
+    """Derivative by xi of the surface at a height g, as if the bends did not vary across."""
+    two = fill(xi, 2.0)
+    return patch_along1(x, eta) + scale(g, patch_along1(d, eta) - scale(two * xi, bend1(x, d, eta)))
+
+
+@wp.func
+def offset_along2(x: Any, d: Any, xi: Any, eta: Any, g: Any):
+    """Derivative by eta, likewise."""
+    two = fill(xi, 2.0)
+    return patch_along2(x, xi) + scale(g, patch_along2(d, xi) - scale(two * eta, bend2(x, d, xi)))
 
 
 @wp.func
@@ -198,18 +254,18 @@ def bounded(value: Any, size: Any):
 
 @wp.func
 def find_foot(x: Any, d: Any, xi: Any, eta: Any, iterations: int):
-    """Coordinates (xi, eta) and height g with x(xi, eta) + g d(xi, eta) = 0, by Newton's method.
+    """Coordinates (xi, eta) and height g with x(xi, eta) + g n(xi, eta) = 0, by Newton's method.
 
-    ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the normals, of any length in between.
+    ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the normals at its corners.
     """
     farthest = fill(xi, FARTHEST)
-    n = patch_at(d, xi, eta)
+    n = normal_at(x, d, xi, eta)
     g = -dot(patch_at(x, xi, eta), n) / larger(dot(n, n), fill(xi, 1.0e-6))
     for _ in range(iterations):
-        n = patch_at(d, xi, eta)
+        n = normal_at(x, d, xi, eta)
         rest = patch_at(x, xi, eta) + scale(g, n)
-        c1 = patch_along1(x, eta) + scale(g, patch_along1(d, eta))
-        c2 = patch_along2(x, xi) + scale(g, patch_along2(d, xi))
+        c1 = offset_along1(x, d, xi, eta, g)
+        c2 = offset_along2(x, d, xi, eta, g)
         volume = triple(c1, c2, n)
         inverse = fill(volume, 1.0) / volume
         xi = bounded(xi - inverse * triple(rest, c2, n), farthest)

@@ -44,7 +44,7 @@ def ply_forces_struct(real: type, lane_count: int):
         spring: lanes3  # tangential spring [m]
         push: lanes  # of the normal spring [N]
         pressure: lanes  # of spring and dashpot [Pa]
-        damped_share: lanes  # share of the dashpot along the normal
+        dashpot: lanes  # along the normal; where it pulls, at most as much as the spring pushes [N]
         entry: lanes  # penetration without force [m]
 
     return PlyForces
@@ -129,7 +129,7 @@ def ply_forces_function(real: type, lane_count: int):
         push, pressed = normal_force(stand.depth - forces.entry, closing, stiffness, law.damping_time)
         forces.push = push
         forces.pressure = law.area_stiffness * pressed / larger(stiffness, lanes(real(1.0e-30)))
-        forces.damped_share = where_positive(pressed, (pressed - push) / pressed, lanes())
+        forces.dashpot = pressed - push
         angle = lanes()
         if law.friction.argument_kind == YARN_ANGLE:
             angle = yarn_angle(slaves, facets, place.block, facet)

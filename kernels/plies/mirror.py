@@ -22,12 +22,12 @@ from ..lanes import (
     where_positive,
 )
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import record3, store_record4
-from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow, PlyWorkRow
-from .data import NO_DEPTH, record_struct
+from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
+from .data import NO_DEPTH, UNSOUGHT, record_struct
 from .forces import USUAL_ENTRY
 from .normals import NORMAL_ROW_COUNT
-from .own_search import UNSOUGHT
 from .search import watch_struct
 
 
@@ -138,20 +138,19 @@ def meet_mirror_kernel(real: type, lane_count: int):
         step = real(clock[ClockEntry.mean_step])
         rows = record.rows
         velocity = mirror.side * record3(mirror.motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)[mirror.axis]
-        old = mirror.side * record3(rows, PLY_RECORD_LENGTH, PlyRow.force, block)[mirror.axis]
-        lost = wp.cw_mul(rows[PlyRow.damped_share, block], old) * (real(-0.5) * record.last_step[block])
+        lost = real(-0.5) * record.last_step[block] * rows[PlyRow.dashpot, block]
         stray = rows[PlyRow.stray, block]
         depth = where_positive(stray, lanes(real(NO_DEPTH)), lanes(mirror.distance) - height_of(mirror, block))
         entry = entry_of(mirror, record, block, depth, step * velocity)
         push, pressed = normal_force(depth - entry, -velocity, mirror.stiffness[block], mirror.damping_time)
-        share = where_positive(pressed, (pressed - push) / pressed, lanes())
-        lost = lost - (real(0.5) * step) * wp.cw_mul(share, pressed)
+        dashpot = pressed - push
+        lost = lost - real(0.5) * step * dashpot
         book(mirror, record, block, wp.cw_mul(lost, velocity), stray)
         force = lanes3()
         force[mirror.axis] = mirror.side * pressed
         store_record4(rows, PLY_RECORD_LENGTH, PlyRow.force, block, force, lanes())
         rows[PlyRow.push, block] = push
-        rows[PlyRow.damped_share, block] = share
+        rows[PlyRow.dashpot, block] = dashpot
         rows[PlyRow.distance, block] = fill(push, mirror.distance)
         rows[PlyRow.depth, block] = depth
         record.last_step[block] = step

@@ -8,12 +8,13 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_maximum, lane_types, rows3, step_options, store_rows3, where_positive
+from ..lanes import dot, fill, lane_maximum, lane_types, rows3, square_root, step_options, store_rows3, where_positive
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
 from .data import NO_DEPTH, blocks_per_call, contact_law_struct, record_struct, slaves_struct
-from .facet import facets_struct, walk_function
+from .facet import facets_struct, normal_at, walk_function
 from .forces import ply_forces_function, ply_forces_struct
 from .stand import (
     below_function,
@@ -40,27 +41,28 @@ def close_books_function(real: type, lane_count: int):
     Place, Below = ply_place_struct(real, lane_count), below_struct(real, lane_count)
 
     @wp.func
-    def book(record: Record, block: int, time: real, force: lanes3, drag: lanes3, share: lanes, velocity: lanes3):
-        """Works of a force over ``time``, at one velocity."""
+    def book(record: Record, block: int, time: real, drag: lanes3, dashpot: lanes, velocity: lanes3, leaving: lanes):
+        """Works over ``time``, at one velocity; of a dashpot also where it takes all that the spring pushes."""
         rubbed = time * dot(drag, velocity)
-        pushed = time * dot(force, velocity) - rubbed
         works = record.works
         works[PlyWorkRow.friction_work, block] = works[PlyWorkRow.friction_work, block] - rubbed
-        works[PlyWorkRow.damping_loss, block] = works[PlyWorkRow.damping_loss, block] - share * pushed
+        damped = time * wp.cw_mul(dashpot, leaving)
+        works[PlyWorkRow.damping_loss, block] = works[PlyWorkRow.damping_loss, block] - damped
 
     @wp.func
     def close_books(law: Law, record: Record, place: Place, below: Below, xi: lanes, eta: lanes):
         block = place.block
-        force = record3(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)
         drag = record3(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)
-        share = record.rows[PlyRow.damped_share, block]
-        pressed = dot(force, force)
+        pressed = record.rows[PlyRow.push, block]
         growth = lanes()
         if lane_maximum(pressed) > real(0.0):
             velocity = speed_over(place, below, xi, eta)
             for c in range(3):  # nothing is known of those without a foot
                 velocity[c] = where_positive(pressed, velocity[c], lanes())
-            book(record, block, real(0.5) * place.last_step, force, drag, share, velocity)
+            n = normal_at(below.x, below.d, xi, eta)
+            leaving = law.side * dot(velocity, n) / square_root(dot(n, n))
+            dashpot = record.rows[PlyRow.dashpot, block]
+            book(record, block, real(0.5) * place.last_step, drag, dashpot, velocity, leaving)
             growth = touch_distance(law, below, xi, eta) - record.rows[PlyRow.distance, block]
             growth = where_positive(pressed, growth, lanes())
         return growth
@@ -117,7 +119,7 @@ def meet_plies_kernel(real: type, lane_count: int):
         store_record4(rows, PLY_RECORD_LENGTH, PlyRow.drag, block, forces.drag, stand.eta)
         store_rows3(rows, PlyRow.spring, block, forces.spring)
         rows[PlyRow.push, block] = forces.push
-        rows[PlyRow.damped_share, block] = forces.damped_share
+        rows[PlyRow.dashpot, block] = forces.dashpot
         rows[PlyRow.distance, block] = stand.distance
         rows[PlyRow.entry, block] = forces.entry
         rows[PlyRow.depth, block] = stand.depth
@@ -144,6 +146,8 @@ def meet_plies_kernel(real: type, lane_count: int):
         # Out
         record: Record,
     ):
+        if slaves.is_first == 0 and record.entry[PassEntry.watched] == wp.float64(0.0):
+            return
         first = first_block + span * wp.tid()
         for block in range(first, wp.min(first + span, last_block)):
             if record.way[block] > real(0.0):
@@ -174,7 +178,8 @@ def meet_plies_kernel(real: type, lane_count: int):
             worked = real(0.5) * (old_push + forces.push) * growth
             record.works[PlyWorkRow.thickness_work, block] = record.works[PlyWorkRow.thickness_work, block] + worked
             half = real(0.5) * place.mean_step
-            book(record, block, half, forces.force, forces.drag, forces.damped_share, stand.velocity)
+            leaving = law.side * dot(stand.velocity, stand.normal)
+            book(record, block, half, forces.drag, forces.dashpot, stand.velocity, leaving)
             record.last_step[block] = place.mean_step
             store(record, block, facet, stand, forces, slaves.is_first)
 

@@ -11,16 +11,15 @@ import warp as wp
 
 from ..lanes import lane_types
 from ..operators import div, mul  # noqa: F401
-from ..rows import MotionRow, PassEntry, PlyRow
-from .data import NO_DEPTH, record_struct
-from .facet import facets_struct, find_foot, patch_at, patch_functions, sagitta
+from ..pass_entries import PassEntry
+from ..rows import MotionRow, PlyRow
+from .data import NO_DEPTH, UNSOUGHT, record_struct
+from .facet import facets_struct, find_foot, normal_at, patch_at, patch_functions, sagitta
 from .search import search_struct, watch_struct
 from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
 
 # Of a node: above or below the facets, facing them or with its back to them.
 SLOT_COUNT = wp.constant(4)
-# Nodes without a foot never seek one by themselves [m].
-UNSOUGHT = wp.constant(1.0e30)
 # Groups that hang together and whose normals lie within this angle do not touch [rad].
 QUIET_ANGLE = wp.constant(1.48)
 # Nodes turned by more than the contact allows are followed already.
@@ -29,6 +28,8 @@ COSINE_MARGIN = wp.constant(0.1)
 UNKNOWN_SIDE = wp.constant(0.25)
 NEARER = wp.constant(0.25)
 ITERATIONS = wp.constant(4)
+# In place of none, to be divided by [m].
+NO_WAY = wp.constant(1.0e-30)
 
 
 @cache
@@ -62,6 +63,7 @@ def sheet_points_struct(real: type):
         )  # [place, group of nodes]: groups of facets that hang together with it, or -1
         thickness: real  # at which the sheet touches itself [m]
         skin: real  # nodes this near are followed [m]
+        turning: real  # both faces move at least this far while their normals turn against each other by one radian [m]
         farthest: real  # feet are taken up to this coordinate of a facet, to be walked from
         squared_exclusion: real  # nearer on the flat blank, points are neighbours [m^2]
         squared_edge_distance: real  # farther away, nodes of free edges may stand edge-on [m^2]
@@ -76,6 +78,9 @@ def found_struct(real: type):
     @wp.struct
     class Found:
         facet: wp.array2d(dtype=wp.int32)  # [slot, node], -1 for none
+        # [group of nodes]: inverses of the ways up to which nothing can be found, 1/UNSOUGHT to UNSOUGHT [1/m]
+        urgency: wp.array(dtype=real)  # among the groups of facets that hang together with it
+        far_urgency: wp.array(dtype=real)  # among all others
         height: wp.array2d(dtype=real)  # of the node over it [m]
         xi: wp.array2d(dtype=real)  # where it stands on it
         eta: wp.array2d(dtype=real)
@@ -123,7 +128,11 @@ def bound_groups_kernel(real: type):
         return wp.acos(wp.clamp(least, real(-1.0), real(1.0)))
 
     @wp.kernel(module="unique", enable_backward=False)
-    def bound_groups(first_group: wp.int32, points: Points, bounds: Bounds):
+    def bound_groups(
+        first_group: wp.int32, points: Points, entry: wp.array(dtype=wp.float64), bounds: Bounds
+    ):  # fmt: skip
+        if entry[PassEntry.sought] == wp.float64(0.0):
+            return
         group = first_group + wp.tid()
         low = vec3(real(1.0e30))
         high = vec3(real(-1.0e30))
@@ -213,7 +222,7 @@ def look_function(real: type):
         xi, eta, g = find_foot(x, d, lanes(), lanes(), ITERATIONS)
         if not wp.max(wp.abs(xi[0]), wp.abs(eta[0])) <= points.farthest:
             return
-        n = patch_at(d, xi, eta)
+        n = normal_at(x, d, xi, eta)
         normal = vec3(n[0, 0], n[1, 0], n[2, 0])
         length = wp.length(normal)
         bow = sagitta(x, d, xi, eta)
@@ -233,29 +242,29 @@ def look_function(real: type):
 @cache
 def seek_own_facets_kernel(real: type):
     """Kernel over groups of nodes: the nearest facet of every node that may touch it before the next update."""
-    vec3 = wp.types.vector(3, real)
     Points, Bounds, Found = sheet_points_struct(real), bounds_struct(real), found_struct(real)
     position_of, _, _ = point_functions(real)
     look = look_function(real)
 
     @wp.func
-    def is_apart(low: vec3, high: vec3, other_low: vec3, other_high: vec3, limit: real):
-        result = False
-        for c in range(3):
-            result = result or other_low[c] - high[c] > limit or low[c] - other_high[c] > limit
-        return result
+    def gap_between(nodes: Bounds, facets: Bounds, group: int, other: int):
+        """Of two boxes, along the axis where it is largest; negative where they overlap."""
+        return wp.max(wp.max(facets.low[other] - nodes.high[group], nodes.low[group] - facets.high[other]))
 
     @wp.func
-    def is_quiet(points: Points, nodes: Bounds, facets: Bounds, group: int, other: int):
-        """Whether two groups hang together and bend too little to touch each other."""
+    def hang_together(points: Points, group: int, other: int):
         shared = wp.int32(0)
         for place in range(points.touching.shape[0]):
             if points.touching[place, group] == other:
                 shared = 1
-        if shared == 0:
-            return False
+        return shared == 1
+
+    @wp.func
+    def quiet_way(points: Points, nodes: Bounds, facets: Bounds, group: int, other: int):
+        """Way up to which two groups that hang together bend too little to touch each other; 0 if they may."""
         cosine = wp.clamp(wp.dot(nodes.axis[group], facets.axis[other]), real(-1.0), real(1.0))
-        return wp.acos(cosine) + nodes.spread[group] + facets.spread[other] < real(QUIET_ANGLE)
+        angle = wp.acos(cosine) + nodes.spread[group] + facets.spread[other]
+        return wp.max(real(QUIET_ANGLE) - angle, real(0.0)) * points.turning
 
     @wp.func
     def compare(points: Points, nodes: Bounds, facets: Bounds, group: int, other: int, limit: real, found: Found):
@@ -263,10 +272,39 @@ def seek_own_facets_kernel(real: type):
             node = nodes.member[place, group]
             if node >= 0:
                 position = position_of(points, node)
-                if not is_apart(position, position, facets.low[other], facets.high[other], limit):
+                if not wp.max(wp.max(facets.low[other] - position, position - facets.high[other])) > limit:
                     for k in range(facets.member.shape[0]):
                         if facets.member[k, other] >= 0:
                             look(points, node, facets.member[k, other], limit, found)
+
+    @wp.func
+    def seek_near(points: Points, nodes: Bounds, facets: Bounds, group: int, limit: real, found: Found):
+        """Urgency of groups that hang together with this one."""
+        least = real(UNSOUGHT)
+        for place in range(points.touching.shape[0]):
+            other = points.touching[place, group]
+            if other >= 0:
+                way = wp.max(
+                    gap_between(nodes, facets, group, other) - limit, quiet_way(points, nodes, facets, group, other)
+                )
+                if not way > real(0.0):
+                    compare(points, nodes, facets, group, other, limit, found)
+                least = wp.min(least, way)
+        return real(1.0) / wp.max(least, real(NO_WAY))
+
+    @wp.func
+    def seek_far(points: Points, nodes: Bounds, facets: Bounds, group: int, limit: real, found: Found):
+        """Urgency of groups that do not hang together with this one."""
+        least = real(UNSOUGHT)
+        for other in range(facets.low.shape[0]):
+            way = gap_between(nodes, facets, group, other) - limit
+            # one that is near is found, however near another one is
+            if wp.max(way, real(0.0)) <= least:
+                if not hang_together(points, group, other):
+                    least = wp.max(way, real(0.0))
+                    if not way > real(0.0):
+                        compare(points, nodes, facets, group, other, limit, found)
+        return real(1.0) / wp.max(least, real(NO_WAY))
 
     @wp.kernel(module="unique", enable_backward=False)
     def seek_own_facets(
@@ -279,6 +317,8 @@ def seek_own_facets_kernel(real: type):
         # Out
         found: Found,
     ):
+        if entry[PassEntry.sought] == wp.float64(0.0):
+            return
         group = first_group + wp.tid()
         limit = points.thickness + points.skin + real(entry[PassEntry.reach])
         for place in range(nodes.member.shape[0]):
@@ -287,12 +327,9 @@ def seek_own_facets_kernel(real: type):
                 for slot in range(SLOT_COUNT):
                     found.facet[slot, node] = -1
                     found.height[slot, node] = real(UNSOUGHT)
-        low = nodes.low[group]
-        high = nodes.high[group]
-        for other in range(facets.low.shape[0]):
-            if not is_apart(low, high, facets.low[other], facets.high[other], limit):
-                if not is_quiet(points, nodes, facets, group, other):
-                    compare(points, nodes, facets, group, other, limit, found)
+        found.urgency[group] = seek_near(points, nodes, facets, group, limit, found)
+        if entry[PassEntry.sought] == wp.float64(2.0):
+            found.far_urgency[group] = seek_far(points, nodes, facets, group, limit, found)
 
     return seek_own_facets
 
@@ -327,6 +364,8 @@ def follow_own_facets_kernel(real: type, lane_count: int):
     @wp.kernel(module="unique", enable_backward=False)
     def follow_own_facets(first_block: wp.int32, search: Search, found: Found, record: Record, watch: Watch):
         block = first_block + wp.tid()
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         reach = real(watch.entry[PassEntry.reach])
         stray = record.rows[PlyRow.stray, block]
         depth = record.rows[PlyRow.depth, block]

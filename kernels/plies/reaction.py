@@ -9,8 +9,9 @@ from functools import cache
 import warp as wp
 
 from ..lanes import CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types, scale, step_options
+from ..pass_entries import PassEntry
 from ..records import SCALAR, gather4, record4, store_record4, vector_of
-from ..rows import CORNER_ROW_COUNT, PLY_RECORD_LENGTH, ROWS_PER_CORNER, CornerRow, PassEntry, PlyRow
+from ..rows import CORNER_ROW_COUNT, PLY_RECORD_LENGTH, ROWS_PER_CORNER, CornerRow, PlyRow
 from .data import TOO_MANY, blocks_per_call
 from .facet import corner_weight
 

@@ -10,8 +10,10 @@ import warp as wp
 
 from ..lanes import dot, lane_maximum, lane_types
 from ..operators import div, mul  # noqa: F401
+from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
-from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PassEntry, PlyRow
+from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow
+from ..stepping.step import fold_works_function
 from .data import NO_DEPTH, record_struct
 from .facet import facets_struct, patch_at, patch_functions
 
@@ -100,12 +102,24 @@ def plan_search_kernel(real: type):
         awake: wp.array(dtype=wp.int32),  # of the nodes' sheet: whether a pass needs its normals, as ``sum_up`` finds
         facets_awake: wp.array(dtype=wp.int32),  # of the facets' sheet
     ):
-        awake[0] = 0
-        facets_awake[0] = 0
+        # the first pass of a sheet on itself comes after those with other plies, and has the others follow
+        if search.slot <= 0:
+            awake[0] = 0
+            facets_awake[0] = 0
         speed = wp.sqrt(largest(squared_speed)) + wp.sqrt(largest(facet_squared_speed))
         time = clock[ClockEntry.step] * wp.float64(search.steps)
         reach = wp.float64(SPEED_MARGIN) * time * wp.float64(speed)
         watch.entry[PassEntry.reach] = reach
+        if search.slot == 0:
+            quiet = watch.entry[PassEntry.quiet] - reach
+            apart = watch.entry[PassEntry.apart] - reach
+            sought = wp.where(quiet > wp.float64(0.0), 0, 1)
+            sought = wp.where(apart > wp.float64(0.0), sought, 2)
+            watch.entry[PassEntry.quiet] = quiet
+            watch.entry[PassEntry.apart] = apart
+            watch.entry[PassEntry.sought] = wp.float64(sought)
+            # the search needs normals, too
+            awake[0] = wp.min(sought, 1)
         drift = watch.drift[0] + real(reach)
         # new boxes at this update; they are as old as the reach of the last one then
         watch.drift[0] = wp.where(drift < search.skin, drift, real(0.0))
@@ -223,7 +237,7 @@ def seek_feet_kernel(real: type, lane_count: int):
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record = record_struct(real, lane_count)
     vectors, _, _, _ = patch_functions(real, lane_count)
-    nearest_facet = nearest_facet_function(real)
+    nearest_facet, fold_works = nearest_facet_function(real), fold_works_function(real, lane_count)
 
     @wp.func
     def seek_foot(
@@ -296,8 +310,12 @@ def seek_feet_kernel(real: type, lane_count: int):
         # Out
         record: Record,
         watch: Watch,
+        works_sum: wp.array2d(dtype=wp.float64),  # of all steps before the last ones [J]
     ):
+        if watch.entry[PassEntry.busy] == wp.float64(0.0):
+            return
         block = first_block + wp.tid()
+        fold_works(block, record.works, works_sum)
         reach = real(watch.entry[PassEntry.reach])
         position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
         stray = record.rows[PlyRow.stray, block]

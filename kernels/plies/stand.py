@@ -13,6 +13,9 @@ from .facet import (
     facets_struct,
     find_foot,
     inside_function,
+    normal_at,
+    offset_along1,
+    offset_along2,
     patch_along1,
     patch_along2,
     patch_at,
@@ -101,7 +104,7 @@ def below_function(real: type, lane_count: int):
 @wp.func
 def touch_distance(law: Any, below: Any, xi: Any, eta: Any):
     """Distance of the mid-surfaces at which the plies touch: the thickness, and the sagitta of the facet."""
-    n = patch_at(below.d, xi, eta)
+    n = normal_at(below.x, below.d, xi, eta)
     return fill(xi, law.thickness) + law.side * (sagitta(below.x, below.d, xi, eta) / square_root(dot(n, n)))
 
 
@@ -129,7 +132,9 @@ def stand_function(real: type, lane_count: int):
         """``stand`` with the spin of its facets; feet that are not unique are taken away."""
         x1 = patch_along1(below.x, stand.eta)
         x2 = patch_along2(below.x, stand.xi)
-        offset = cross(x1 + scale(g, patch_along1(below.d, stand.eta)), x2 + scale(g, patch_along2(below.d, stand.xi)))
+        along1 = offset_along1(below.x, below.d, stand.xi, stand.eta, g)
+        along2 = offset_along2(below.x, below.d, stand.xi, stand.eta, g)
+        offset = cross(along1, along2)
         facing = dot(offset, stand.normal) - real(LEAST_FACING) * square_root(dot(offset, offset))
         stand.has_foot = where_positive(facing, stand.has_foot, lanes())
         stand.has_foot = where_positive(length - lanes(real(LEAST_NORMAL)), stand.has_foot, lanes())
@@ -146,7 +151,7 @@ def stand_function(real: type, lane_count: int):
         new_xi, new_eta, g = find_foot(below.x, below.d, xi, eta, iterations)
         stand.xi = new_xi
         stand.eta = new_eta
-        n = patch_at(below.d, new_xi, new_eta)
+        n = normal_at(below.x, below.d, new_xi, new_eta)
         length = square_root(dot(n, n))
         stand.normal = scale(fill(length, 1.0) / length, n)
         stand.distance = touch_distance(law, below, new_xi, new_eta)

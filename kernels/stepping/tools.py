@@ -73,13 +73,15 @@ def curve_value(
 
 
 @wp.func
-def stroke_rate(drives: ToolDrives, drive: ToolDrive, time: wp.float64, step: wp.float64, along: wp.float64):
-    """Share of its speed at which a stroke goes on against ``along`` [N], from 1 to -1: it waits at its largest force.
+def stroke_rate(drives: ToolDrives, k: wp.int32, time: wp.float64, step: wp.float64, along: wp.float64):
+    """Share of its speed at which stroke ``k`` goes on against ``along`` [N], from 1 to -1: it waits at its largest
+    force.
 
     Near that force the rate falls with it. The gain is such that a step changes the force by at most half of what is
     left, even if all nodes touch.
     """
     one = wp.float64(1.0)
+    drive = drives.drive[k]
     here = curve_value(drives.curve_time, drives.curve_value, drive, time)
     ahead = curve_value(drives.curve_time, drives.curve_value, drive, time + step) - here
     behind = here - curve_value(drives.curve_time, drives.curve_value, drive, time - step)
@@ -94,55 +96,73 @@ def stroke_rate(drives: ToolDrives, drive: ToolDrive, time: wp.float64, step: wp
     return rate
 
 
+@cache
+def stroke_time_function(waits: bool):
+    """Function for the time on the curve of a stroke at the end of the step: that of the clock, or, where it ``waits``
+    at a largest force, its own.
+    """
+
+    @wp.func
+    def stroke_time(
+        k: wp.int32,
+        along: wp.float64,
+        drives: ToolDrives,
+        clock: wp.array(dtype=wp.float64),
+        kept: wp.array2d(dtype=wp.float64),
+    ):
+        step = clock[ClockEntry.step]
+        result = clock[ClockEntry.time] + step
+        if wp.static(waits):
+            if drives.drive[k].largest_force > wp.float64(0.0):
+                last = kept[ToolDriveRow.stroke_time, k]
+                end = drives.curve_time[drives.drive[k].first_knot + drives.drive[k].knot_count - 1]
+                result = wp.min(last + step * stroke_rate(drives, k, last, step, along), end)
+        kept[ToolDriveRow.stroke_time, k] = result
+        return result
+
+    return stroke_time
+
+
 @wp.func
-def stroke_time(
-    drives: ToolDrives,
-    drive: ToolDrive,
-    last: wp.float64,
-    next_time: wp.float64,
-    step: wp.float64,
-    along: wp.float64,
+def damper_share(
+    k: wp.int32, carries: bool, mean_step: wp.float64, drives: ToolDrives, kept: wp.array2d(dtype=wp.float64)
 ):
-    """Time on the curve of a stroke at the end of the step: that of the clock, or its own with a largest force."""
-    result = next_time
-    if drive.largest_force > wp.float64(0.0):
-        end = drives.curve_time[drive.first_knot + drive.knot_count - 1]
-        result = wp.min(last + step * stroke_rate(drives, drive, last, step, along), end)
-    return result
-
-
-@wp.func
-def damper_share(drive: ToolDrive, carrying: wp.float64):
     """Share of its damper that acts on a tool: whole where it lands, none in the air, fading while sheets carry it."""
-    return wp.where(carrying > wp.float64(0.0), wp.exp(-carrying * drive.fading), wp.float64(0.0))
+    none = wp.float64(0.0)
+    carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, none)
+    kept[ToolDriveRow.carrying, k] = carrying
+    return wp.where(carrying > none, wp.exp(-carrying * drives.drive[k].fading), none)
 
 
 @wp.func
-def damped(drive: ToolDrive, velocity: wp.float64, gained: wp.float64, share: wp.float64, step: wp.float64):
-    """New velocity, and the energy lost, of a mass on a damper of ``share`` (Crank-Nicolson).
+def damped(drives: ToolDrives, k: wp.int32, velocity: wp.float64, gained: wp.float64, shared_step: wp.float64):
+    """New velocity, and the energy lost, of a mass on a damper (Crank-Nicolson), of which a share acts for a step.
 
     ``gained`` is the velocity that all other forces give the mass in the step.
     """
     half = wp.float64(0.5)
-    decay = step * share * drive.damping / drive.mass
+    mass = drives.drive[k].mass
+    decay = shared_step * drives.drive[k].damping / mass
     mean = (velocity + half * gained) / (wp.float64(1.0) + half * decay)
-    return velocity + gained - decay * mean, decay * drive.mass * mean * mean
+    return velocity + gained - decay * mean, decay * mass * mean * mean
 
 
 @wp.func
 def stopped(
-    drive: ToolDrive, at: wp.float64, before: wp.float64, gained: wp.float64, share: wp.float64, steps: wp.vec2d
-):
+    drives: ToolDrives, k: wp.int32, at: wp.float64, before: wp.float64, gained: wp.float64, shared_step: wp.float64,
+    step: wp.float64,
+):  # fmt: skip
     """New velocity of a mass at ``at``, on a damper, and the energy that this and its spacers take from it.
 
-    ``steps`` are the step to come and the mean step. A mass beyond its spacers already is held where it is.
+    ``step`` is the step to come. A mass beyond its spacers already is held where it is.
     """
-    velocity, lost = damped(drive, before, gained, share, steps[1])
-    room = wp.max(drive.stop_way * (drive.stop - at), wp.float64(0.0))
-    held = drive.stop_way * steps[0] * velocity > room
+    velocity, lost = damped(drives, k, before, gained, shared_step)
+    way = drives.drive[k].stop_way
+    room = wp.max(way * (drives.drive[k].stop - at), wp.float64(0.0))
+    held = way * step * velocity > room
     if held:
-        velocity = drive.stop_way * room / steps[0]
-        lost = drive.mass * (gained - (velocity - before)) * wp.float64(0.5) * (before + velocity)
+        velocity = way * room / step
+        lost = drives.drive[k].mass * (gained - (velocity - before)) * wp.float64(0.5) * (before + velocity)
     return velocity, lost, held
 
 
@@ -219,60 +239,71 @@ def wait_for_block():
     """On a GPU, wait for the other threads of the block."""
 
 
-@wp.func
-def move_tool(
-    # In
-    k: wp.int32,
-    total: wp.vec3d,  # force of the sheets on it [N]
-    drives: ToolDrives,
-    clock: wp.array(dtype=wp.float64),
-    # Out
-    displacement: wp.array(dtype=wp.float64),
-    velocity: wp.array(dtype=wp.float64),
-    kept: wp.array2d(dtype=wp.float64),  # rows: see ToolDriveRow
-    books: ToolBooks,
-):
-    """Move tool ``k`` by one step, and book works; the clock is advanced later."""
-    step = clock[ClockEntry.step]
-    next_time = clock[ClockEntry.time] + step
-    drive = drives.drive[k]
-    along = wp.dot(total, drives.axis[k])
-    old = displacement[k]
-    old_velocity = velocity[k]
-    drive_force = wp.float64(0.0)
-    wanted = wp.float64(0.0)
-    new = old
-    if drive.kind == FORCE:
-        drive_force = curve_value(drives.curve_time, drives.curve_value, drive, clock[ClockEntry.time])
-        mean_step = clock[ClockEntry.mean_step]
-        gained = mean_step * (drive_force + along) / drive.mass
-        carries = along * drive_force < wp.float64(0.0)
-        carrying = wp.where(carries, kept[ToolDriveRow.carrying, k] + mean_step, wp.float64(0.0))
-        kept[ToolDriveRow.carrying, k] = carrying
-        share = damper_share(drive, carrying)
-        new_velocity, lost, held = stopped(drive, old, old_velocity, gained, share, wp.vec2d(step, mean_step))
-        # what spacers hold back is not wanted of the sheets
-        wanted = wp.where(held, wp.float64(0.0), drive_force)
-        velocity[k] = new_velocity
-        add(books.work, ToolWorkRow.damping, k, lost)
-        new = old + step * velocity[k]
-    else:
-        at = stroke_time(drives, drive, kept[ToolDriveRow.stroke_time, k], next_time, step, along)
-        kept[ToolDriveRow.stroke_time, k] = at
-        new = curve_value(drives.curve_time, drives.curve_value, drive, at)
-        velocity[k] = (new - old) / step
-    displacement[k] = new
-    # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
-    travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (old_velocity + velocity[k])
-    add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
-    add(books.work, ToolWorkRow.driving, k, drive_force * travel)
-    watch_tool(books.watch, k, step, wanted, total, along)
+@cache
+def move_tool_function(waits: bool):
+    """Function that moves a tool by one step, and books works; the clock is advanced later.
+
+    ``waits`` tells whether any stroke has a largest force. What a step needs is read late, and little lives at a time:
+    a GPU has few registers.
+    """
+    stroke_time = stroke_time_function(waits)
+
+    @wp.func
+    def move_tool(
+        # In
+        k: wp.int32,
+        along: wp.float64,  # force of the sheets on it, along its axis [N]
+        drives: ToolDrives,
+        clock: wp.array(dtype=wp.float64),
+        # Out
+        displacement: wp.array(dtype=wp.float64),
+        velocity: wp.array(dtype=wp.float64),
+        kept: wp.array2d(dtype=wp.float64),  # rows: see ToolDriveRow
+        books: ToolBooks,
+    ):
+        """Returns the force that is wanted of the sheets [N], if one drives it."""
+        by_force = drives.drive[k].kind == FORCE
+        time = clock[ClockEntry.time]
+        if not by_force:
+            time = stroke_time(k, along, drives, clock, kept)
+        value = curve_value(drives.curve_time, drives.curve_value, drives.drive[k], time)
+        before = velocity[k]
+        after = before
+        new = value
+        force = wp.float64(0.0)
+        wanted = wp.float64(0.0)
+        if by_force:
+            force = value
+            step = clock[ClockEntry.mean_step]
+            share = damper_share(k, along * force < wp.float64(0.0), step, drives, kept)
+            gained = step * (force + along) / drives.drive[k].mass
+            after, lost, held = stopped(
+                drives, k, displacement[k], before, gained, step * share, clock[ClockEntry.step]
+            )
+            add(books.work, ToolWorkRow.damping, k, lost)
+            # what spacers hold back is not wanted of the sheets
+            wanted = wp.where(held, wp.float64(0.0), force)
+            new = displacement[k] + clock[ClockEntry.step] * after
+        else:
+            after = (value - displacement[k]) / clock[ClockEntry.step]
+        displacement[k] = new
+        velocity[k] = after
+        # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
+        travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (before + after)
+        add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
+        add(books.work, ToolWorkRow.driving, k, force * travel)
+        return wanted
+
+    return move_tool
 
 
 @cache
-def tool_motion_kernel(real: type):
-    """Kernel of one block of threads per step, between the node kernel and the next step; of one thread on a CPU."""
-    vec3 = wp.types.vector(3, real)
+def tool_motion_kernel(real: type, waits: bool):
+    """Kernel of one block of threads per step, between the node kernel and the next step; of one thread on a CPU.
+
+    ``waits`` as in ``move_tool_function``.
+    """
+    vec3, move_tool = wp.types.vector(3, real), move_tool_function(waits)
 
     @wp.kernel(module="unique", enable_backward=False)
     def tool_motion(
@@ -293,7 +324,9 @@ def tool_motion_kernel(real: type):
         for k in range(thread, drives.drive.shape[0], drives.thread_count):
             total = total_force(reactions, k)
             total_reaction[k] = total
-            move_tool(k, total, drives, clock, displacement, velocity, kept, books)
+            along = wp.dot(total, drives.axis[k])
+            wanted = move_tool(k, along, drives, clock, displacement, velocity, kept, books)
+            watch_tool(books.watch, k, step, wanted, total_reaction[k], along)
         wait_for_block()
         if thread == 0:
             clock[ClockEntry.time] = next_time

@@ -7,7 +7,7 @@ import warp as wp
 from ..rows import ClockEntry
 from ..stepping.step import MAXIMUM_GROUP, choose_step, goes_on, not_lost
 from ..stepping.supports import support_motion_function
-from ..stepping.tools import move_tool, total_force
+from ..stepping.tools import move_tool_function, total_force, watch_tool
 from .arguments import ToolArguments, drive_arguments
 
 
@@ -17,7 +17,7 @@ def world_tools_kernel(real: type):
 
     ``real`` is that of ``reactions``, whose rows are the tools of all worlds.
     """
-    vec3 = wp.types.vector(3, real)
+    vec3, move_tool = wp.types.vector(3, real), move_tool_function(True)
 
     @wp.kernel(module="unique", enable_backward=False)
     def world_tools(
@@ -34,7 +34,9 @@ def world_tools_kernel(real: type):
             for k in range(count):
                 total = total_force(reactions, world * count + k)
                 a.force[k] = total
-                move_tool(k, total, a.drives, a.clock, a.displacement, a.velocity, a.kept, a.books)
+                along = wp.dot(total, a.drives.axis[k])
+                wanted = move_tool(k, along, a.drives, a.clock, a.displacement, a.velocity, a.kept, a.books)
+                watch_tool(a.books.watch, k, step, wanted, total, along)
             a.clock[ClockEntry.time] = next_time
             a.clock[ClockEntry.mean_step] = step
 

@@ -86,7 +86,7 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
             check_clock,
             partial_maximum_kernel(real),
             *(partial_sum_kernel(scalar) for scalar in (real, wp.float64)),
-            tool_motion_kernel(wp.float64),
+            tool_motion_kernel(wp.float64, waits=simulation.model.tools.waits),
         ]
     ):
         if not kernel.key.endswith(("_subnormals", "group_maximum")):
@@ -106,6 +106,7 @@ def kernels_of_tools(precision: str) -> Iterator[tuple[str, wp.Kernel]]:
     from weavesim.kernels.stepping.node import node_motion_kernel
     from weavesim.kernels.stepping.node_data import NodeTraits
     from weavesim.kernels.stepping.surface_contact import surface_contact_kernel
+    from weavesim.kernels.stepping.tools import tool_motion_kernel
 
     real = resolve_precision(precision).real
     for name, traits in {
@@ -116,6 +117,7 @@ def kernels_of_tools(precision: str) -> Iterator[tuple[str, wp.Kernel]]:
         yield name, node_motion_kernel(real, 1, traits)
         yield name, surface_contact_kernel(real, 1, replace(traits, sampled=True))
     yield "carried", carried_motion_kernel(wp.float64)
+    yield "waiting", tool_motion_kernel(wp.float64, waits=True)
     for kernel in mesh_kernels():
         yield "sampling of a mesh", kernel
 

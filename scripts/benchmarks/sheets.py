@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated, Any
 
 import numpy as np
@@ -60,22 +61,26 @@ def plies(
     mesh_size: Annotated[float, typer.Option(help="mesh size of the plies [m]")] = 0.0025,
     precision: Annotated[str, typer.Option(help="float32 or float64")] = "float32",
     device: Annotated[str, typer.Option(help='"cpu", on one thread, or "cuda:0", ...')] = "cpu",
+    speed: Annotated[float, typer.Option(help="of waves across single plies at the start [m/s]")] = 0.0,
 ) -> None:
-    """Time per element and step of flat squares, every second one turned by 30 degrees."""
-    where = "one thread" if device == "cpu" else device
+    """Time per element and step of flat squares, every second one turned by 30 degrees; on a CPU, processor time."""
+    where, clock = ("one thread", time.process_time) if device == "cpu" else (device, time.perf_counter)
     solver = {"precision": precision, "device": device, "threads": 1 if device == "cpu" else None}
     cases = {
-        "one ply": stack(1, mesh_size, solver),
-        "one ply with self-contact, nothing near": stack(1, mesh_size, solver, self_contact=True),
+        "one ply": stack(1, mesh_size, solver, speed=speed),
+        "one ply with self-contact, nothing near": stack(1, mesh_size, solver, self_contact=True, speed=speed),
         f"{count} plies that pass through each other": stack(count, mesh_size, solver, interfaces=False),
         f"{count} plies in contact, both passes": stack(count, mesh_size, solver),
         f"{count} plies in contact, one pass": stack(count, mesh_size, solver, passes="one"),
+        f"{count} plies far apart, without interfaces": stack(count, mesh_size, solver, interfaces=False, gap=0.05),
         f"{count} plies far apart": stack(count, mesh_size, solver, gap=0.05),
     }
     for simulation in cases.values():
         simulation.stepper.advance(PLY_WARM_UP_BLOCK_COUNT)
     simulations = list(cases.values())
-    times = np.array([[seconds_per_step(s, seconds) / element_count(s) for s in simulations] for _ in range(turns)])
+    times = np.array(
+        [[seconds_per_step(s, seconds, clock=clock) / element_count(s) for s in simulations] for _ in range(turns)]
+    )
     typer.echo(line_about(machine()))
     typer.echo(f"{mesh_size * 1e3:g} mm, {precision}, {where}\n")
     typer.echo(ratio_table(list(cases), 1e9 * times))
@@ -90,8 +95,12 @@ def stack(
     passes: str = "both",
     gap: float = 0.0,
     self_contact: bool = False,
+    speed: float = 0.0,
 ):
-    """Squares that a dead pressure on the outermost ones holds together, or apart by ``gap`` [m] and free."""
+    """Squares that a dead pressure on the outermost ones holds together, or apart by ``gap`` [m] and free.
+
+    At the start they move up and down in a wave across each, at most at ``speed`` [m/s].
+    """
     from weavesim import Blank, Coulomb, Interface, NodalLoads, SelfContact, Setup, Sheet, Simulation, Solver
     from weavesim.fabric import glass_polypropylene
 
@@ -106,8 +115,19 @@ def stack(
         outside = (k == 0) - (k == count - 1)
         force = np.zeros((blank.node_count, 3))
         force[:, 2] = PRESSURE * mesh_size**2 * outside * (gap == 0.0)
+        velocity = np.zeros((blank.node_count, 3))
+        velocity[:, 2] = speed * np.sin(np.pi * flat.node_position[:, 0] / HALF_SIDE)
         own = SelfContact() if self_contact else None
-        sheets.append(Sheet(blank, fabric, name=f"ply {k}", loads=NodalLoads(force=force), self_contact=own))
+        sheets.append(
+            Sheet(
+                blank,
+                fabric,
+                name=f"ply {k}",
+                loads=NodalLoads(force=force),
+                self_contact=own,
+                initial_velocity=velocity,
+            )  # fmt: skip
+        )
     pairs = zip(sheets[:-1], sheets[1:], strict=True)
     joined = tuple(Interface(a.name, b.name, Coulomb(0.2), passes=passes) for a, b in pairs) if interfaces else ()
     return Simulation(

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # WebGL without a graphics card.
 OPTIONS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
+# For whatever a page is waited for [ms]: WebGL without a graphics card, on a busy machine.
+_LONGEST = 300_000
 # Schemes that leave the page's own file alone.
 _OWN = ("data:", "blob:", "about:")
 
@@ -62,6 +64,8 @@ class HeadlessBrowser:
         context = self._browser.new_context(
             viewport={"width": width, "height": height}, device_scale_factor=scale, accept_downloads=True
         )
+        context.set_default_timeout(_LONGEST)
+        context.set_default_navigation_timeout(_LONGEST)
         try:
             view = context.new_page()
             opened = OpenPage(view)
@@ -95,7 +99,7 @@ def headless_browser() -> Iterator[HeadlessBrowser]:
         "playwright.sync_api", reason="Playwright drives the browser: pip install playwright"
     )
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
+        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS, timeout=_LONGEST)
         try:
             yield HeadlessBrowser(browser)
         finally:

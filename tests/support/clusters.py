@@ -53,7 +53,7 @@ class Cluster:
         """Start one in a folder of its own."""
         return self._start(
             name, "dask_worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--name", name,
-            "--local-directory", str(self._folder / name), "--death-timeout", "60",
+            "--local-directory", str(self._folder / name), "--death-timeout", "300",
         )  # fmt: skip
 
     def _start(self, name: str, program: str, *arguments: str) -> subprocess.Popen:

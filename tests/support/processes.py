@@ -10,6 +10,8 @@ from pathlib import Path
 
 from tests.support.paths import ROOT
 
+# What takes longer never ends [s]: a machine may be slow, busy, and without a compiled kernel.
+ENOUGH = 300.0
 # 16 elements; about half a second of stepping, or more than a minute with SLOW.
 COARSE = ("picture-frame", "--mesh-size", "0.05", "--threads", "1")
 SLOW = ("--speed", "0.003")
@@ -28,7 +30,7 @@ def environment(**more: str) -> dict[str, str]:
 
 def run(*arguments: object, **given: object) -> subprocess.CompletedProcess:
     """Run the command to its end, with its output as text."""
-    settings = {"capture_output": True, "text": True, "timeout": 120, "env": environment()}
+    settings = {"capture_output": True, "text": True, "timeout": ENOUGH, "env": environment()}
     return subprocess.run(command(*arguments), **(settings | given))
 
 
@@ -43,7 +45,7 @@ def summary(folder: Path) -> dict:
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 
-def wait_for(condition: Callable[[], object], seconds: float = 60.0) -> None:
+def wait_for(condition: Callable[[], object], seconds: float = ENOUGH) -> None:
     """Wait until a condition holds; what raises does not hold."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:

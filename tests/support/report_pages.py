@@ -41,9 +41,22 @@ def nodes(page, sheet=0):
 
 
 def slide(page, frame):
-    """Move the slider as a reader does, and wait."""
+    """Move the slider as a reader does, and wait until all of the frame is shown."""
     page.page.locator("#frame").fill(str(frame))
     page.page.wait_for_function(f"weavesim.page.frame === {frame}")
+    settle(page)
+
+
+def choose_field(page, field):
+    """Choose it in the menu as a reader does, and wait until it is shown."""
+    page.page.locator("#field").select_option(field)
+    page.page.wait_for_function(f"weavesim.page.field.name === '{field}'")
+    settle(page)
+
+
+def settle(page):
+    """Wait for values that a page unpacks after what the reader has done; they come in the order of the questions."""
+    page.page.evaluate("weavesim.page.setFrame(weavesim.page.frame)")
 
 
 def pixels(page):

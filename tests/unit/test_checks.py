@@ -106,13 +106,20 @@ def test_flags_survive_json(flags):
     assert there.dtype == bool and there.tolist() == flags
 
 
+def test_a_value_does_not_change_and_says_what_to_do():
+    ball = Ball(1.0)
+    with pytest.raises(InputError, match=r"Ball: radius does not change .* model_copy\(update=\{'radius': ...\}\)"):
+        ball.radius = 2.0
+    assert ball.radius == 1.0
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: Ball(-1.0), "radius = -1.0"),
         (lambda: Ball(), "radius: is required"),
         (lambda: Ball(1.0, 2.0), "Ball: 2 values are given by position; allowed are radius"),
-        (lambda: Pile(1.0), "Pile: 1 values are given by position; allowed are none"),
+        (lambda: Pile(1.0), "Pile: 1 values are given by position; allowed are none; give others by name: .*bodies"),
         (lambda: Ball(1.0, radius=2.0), "radius is given twice"),
         (lambda: Ball(True), "a number is needed, not true"),
         (lambda: Body(), "kind = 'Body': one of Ball, Pile"),

@@ -118,12 +118,12 @@ def test_a_file_without_end_is_refused(tmp_path):
     ids=range(8),
 )  # fmt: skip
 def test_large_files_end_in_time(tmp_path, text):
-    start = time.perf_counter()
+    start = time.process_time()
     try:
         read(tmp_path, text)
     except InputError as error:
         assert len(str(error)) < 600
-    assert time.perf_counter() - start < 20.0
+    assert time.process_time() - start < 20.0
 
 
 @pytest.mark.parametrize(

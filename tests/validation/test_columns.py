@@ -104,7 +104,7 @@ def run(tmp_path_factory) -> Path:
     scene, out = known_scenes()["double-dome"].load(), folder / "out"
     given = {"mesh_size": 0.02, "stroke": 0.008, "punch_speed": 2.0, "frame_count": 2}
     scene.run(scene.parameters(**given, out=out, write="summary,tables,results,report"))
-    (folder / "limits.toml").write_text("gap = 1e-9\nlocking_angle = 1e-3\n")
+    (folder / "limits.toml").write_text("gap = 1e-9\nlocking_angle = 1.7\n")
     (folder / "edge.csv").write_text("x [mm],y [mm]\n30,30\n90,30\n90,70\n30,70\n")
     (folder / "points.csv").write_text("x [mm],y [mm],z [mm],shear_angle [deg]\n50,50,0,1\n100,60,0,2\n")
     call("verdict", out, "--limits", folder / "limits.toml")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.support.made_run import dome_positions, made_frame, made_info
-from tests.support.report_pages import slide, write
+from tests.support.report_pages import choose_field, settle, slide, write
 from weavesim.output.run_page.packing import COARSE_CODE
 from weavesim.output.run_page.recorder import LEFT_OUT, MAIN_FIELDS, FrameRecorder
 from weavesim.run.fields import FIELDS
@@ -88,10 +88,8 @@ def test_it_is_quick_and_tells_how_it_is_rounded(browser, large):
         )
         assert seconds < LONGEST_CHANGE
         slide(opened, 21)
-        page.locator("#field").select_option(names[-1])
-        page.wait_for_function(f"weavesim.page.field.name === '{names[-1]}'")
+        choose_field(opened, names[-1])
         assert f"rounded to {COARSE_CODE} steps of its range" in page.locator("#controls").inner_text()
-        page.evaluate("weavesim.page.recolour()")
         values = kept[21].sheet.fields[names[-1]][:1000]
         shown = np.array(page.evaluate("Array.from(weavesim.page.shown[0].slice(0, 1000))"))
         # in the unit of readers, a power of ten
@@ -113,6 +111,7 @@ def test_the_slider_stops_where_a_field_is(browser, coarse_run, tmp_path, monkey
         slide(opened, stops[1] - 1 if stops[1] > 2 else stops[1] + 1)
         page.locator("#field").select_option("warp_stretch")
         page.wait_for_function(f"{stops}.includes(weavesim.page.frame)")
+        settle(opened)
         assert "slider stops" in page.locator("#controls").inner_text()
         slide(opened, stops[1])
         page.locator("#frame").press("ArrowRight")

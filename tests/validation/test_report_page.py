@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from tests.support.report_pages import DOUBTS, coloured, nodes, pixels, slide, write
+from tests.support.report_pages import DOUBTS, choose_field, coloured, nodes, pixels, slide, write
 from weavesim.app.results.live import LiveServer
 from weavesim.output.claim.lock import LOCK_NAME
 from weavesim.output.history import History
@@ -57,9 +57,7 @@ def test_the_menu_recolours(page, coarse_run):
     slide(page, len(coarse_run[1]) - 1)
     images = {}
     for field in ("shear_angle", "thickness", "warp_stretch"):
-        page.page.locator("#field").select_option(field)
-        page.page.wait_for_function(f"weavesim.page.field.name === '{field}'")
-        page.page.evaluate("weavesim.page.recolour()")
+        choose_field(page, field)
         images[field] = pixels(page)
         assert field.replace("_", " ") in page.page.locator("#legend").inner_text()
     assert all(coloured(image) > 10_000 for image in images.values())
@@ -68,7 +66,7 @@ def test_the_menu_recolours(page, coarse_run):
     values = coarse_run[1][-1].fields["warp_stretch"]
     shown = page.page.evaluate("Array.from(weavesim.page.shown[0])")
     assert shown == pytest.approx(values.tolist(), abs=1e-6)
-    page.page.locator("#field").select_option("shear_angle")
+    choose_field(page, "shear_angle")
 
 
 def test_a_click_reads_the_value_of_the_file(page, coarse_run, finished):
@@ -119,10 +117,12 @@ def test_a_region_of_the_verdict_is_one_click_away(page, finished, limits):
     assert page.page.locator("#verdict").inner_text().lower().startswith("verdict")
     button = page.page.locator("[data-region='0']")
     assert "locking" in button.inner_text()
-    page.page.locator("#field").select_option("thickness")
+    choose_field(page, "thickness")
     slide(page, 3)
+    page.page.evaluate("weavesim.page.probe.last = undefined")
     button.click()
-    page.page.wait_for_function("weavesim.page.view.pin.visible && weavesim.page.view.regionLines.visible")
+    page.page.wait_for_function("weavesim.page.probe.last?.element === weavesim.page.region?.worst")
+    assert page.page.evaluate("weavesim.page.view.pin.visible && weavesim.page.view.regionLines.visible")
     assert page.page.locator("#field").input_value() == "shear_angle"
     read = page.page.evaluate("weavesim.page.probe.last")
     assert read["values"]["shear_angle"] == pytest.approx(
@@ -253,10 +253,13 @@ def test_a_run_in_progress_is_kept_up_with(browser, tmp_path, coarse_run):
             opened.page.evaluate("weavesim.page.view.look('side')")
             opened.page.wait_for_function("document.getElementById('live').innerText.includes('running')")
             go_on(frames[3:8])
-            opened.page.wait_for_function("weavesim.page.frameCount === 8 && weavesim.page.frame === 7")
+            # it is opened anew, at the end of which it gets the view of the old one
+            opened.page.wait_for_function(
+                "weavesim.page.frameCount === 8 && weavesim.page.frame === 7"
+                " && weavesim.page.view.camera.position.x > 100"
+            )
             assert np.abs(nodes(opened) - frames[7].position).max() < 1e-5
             assert opened.page.locator("#field").input_value() == "thickness"
-            assert opened.page.evaluate("weavesim.page.view.camera.position.x") > 100.0
             record.finish(Outcome.FINISHED)
             opened.page.wait_for_function("document.getElementById('live').innerText.includes('finished')")
             assert "punch" in opened.page.locator("#live").inner_text() and opened.errors == []

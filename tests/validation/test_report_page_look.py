@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.report_pages import coloured, pixels, slide
+from tests.support.report_pages import choose_field, coloured, pixels, slide
 from weavesim.sheet.topology import area_percentile, flat_areas
 
 
@@ -84,9 +84,7 @@ def test_colours_span_the_last_frame_by_its_area(page, coarse_run):
     frames, blank = coarse_run[1], coarse_run[0].sheet.blank
     slide(page, 0)
     for field, factor in (("thickness", 1e3), ("warp_stretch", 1.0)):
-        page.page.locator("#field").select_option(field)
-        page.page.wait_for_function(f"weavesim.page.field.name === '{field}'")
-        page.page.evaluate("weavesim.page.recolour()")
+        choose_field(page, field)
         drawn = page.page.evaluate("[weavesim.page.colours.low, weavesim.page.colours.high]")
         values = factor * frames[-1].fields[field]
         assert drawn == pytest.approx([area_percentile(values, flat_areas(blank), p) for p in (1.0, 99.0)], rel=1e-4)
@@ -98,7 +96,7 @@ def test_colours_span_the_last_frame_by_its_area(page, coarse_run):
         [values.tolist(), areas.tolist()],
     )
     assert found == pytest.approx([area_percentile(values, areas, p) for p in (30.0, 50.0, 90.0)])
-    page.page.locator("#field").select_option("shear_angle")
+    choose_field(page, "shear_angle")
 
 
 def test_yarns_and_mesh_read_on_every_colour(page, coarse_run):

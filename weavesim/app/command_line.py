@@ -21,7 +21,7 @@ import inspect
 import re
 import sys
 import types
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
@@ -76,13 +76,26 @@ def main(*leading: str) -> None:
     hold_standard_streams()
     try:
         with leaving_at_once():
-            application(args=[*leading, *sys.argv[1:]], prog_name="weavesim")
+            given = [*leading, *sys.argv[1:]]
+            _check_filled(given)
+            application(args=given, prog_name="weavesim")
     except InputError as error:
         _fail(error, ExitCode.INPUT_ERROR)
     except RunError as error:
         _fail(error, ExitCode.RUN_ERROR)
     finally:
         let_go_of_standard_streams()
+
+
+def _check_filled(arguments: Sequence[str]) -> None:
+    """Raise InputError for an empty argument: as a path it would be the current folder."""
+    for place, text in enumerate(arguments):
+        option, equals, value = text.partition("=")
+        if equals and option.startswith("--") and not value:
+            raise InputError(f"{option}: it is empty; give a value (of a path, '.' is the current folder)")
+        if not text.strip():
+            before = arguments[place - 1] if place and arguments[place - 1].startswith("-") else "an argument"
+            raise InputError(f"{before}: it is empty; give a value (of a path, '.' is the current folder)")
 
 
 def _fail(error: object, code: int) -> None:

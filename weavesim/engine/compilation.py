@@ -56,12 +56,10 @@ from ..kernels.stepping.supports import support_motion_kernel
 from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
-from ..process.friction import AmongLaws
 from ..sheet.geometry import ElementGeometry
 from .plies.ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
-from .setup import Setup, World
-from .staging.derive import among_laws
-from .traits import node_traits, sheet_traits
+from .setup import Setup
+from .traits import as_in_stages, node_traits, sheet_traits, waiting
 
 logger = logging.getLogger(__name__)
 
@@ -87,6 +85,7 @@ class KernelSet:
         lane_count: elements per kernel thread.
         tools: whether there are any.
         driven: whether supports move.
+        waiting: whether strokes have a largest force; both where some stages may have them.
         pressed: whether there is pressure on a sheet.
         gripped: whether there are grippers.
         threaded: whether a CPU may use several threads.
@@ -105,6 +104,7 @@ class KernelSet:
     lane_count: int
     tools: bool = True
     driven: bool = True
+    waiting: tuple[bool, ...] = (False,)
     pressed: bool = False
     gripped: bool = False
     threaded: bool = True
@@ -142,6 +142,7 @@ class KernelSet:
             sets[0].lane_count,
             tools=any(one.tools for one in sets),
             driven=any(one.driven for one in sets),
+            waiting=tuple(dict.fromkeys(waits for one in sets for waits in one.waiting)),
             pressed=any(one.pressed for one in sets),
             gripped=any(one.gripped for one in sets),
             meshes=True,
@@ -168,6 +169,7 @@ class KernelSet:
             solver.lanes(is_cpu=is_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
+            waiting=waiting(setup),
             pressed=any(sheet.pressures for sheet in setup.sheets) or any(stage.pressures for stage in setup.stages),
             gripped=bool(setup.grippers),
             threaded=is_cpu and (solver.threads or available_threads()) > 1,
@@ -188,13 +190,14 @@ class KernelSet:
         """
         is_cpu = resolve_device(self.device).is_cpu
         real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
-        frequency_lanes = frequency_lane_count(lane_count, law)
-        carried = dict.fromkeys(node.carried for node in self.nodes)
-        motions = [carried_motion_kernel if each else tool_motion_kernel for each in carried]
+        summed, carried = real if is_cpu or not self.tools else wp.float64, [node.carried for node in self.nodes]
         further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
         own = [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
-            *(element_frequency_kernel(real, frequency_lanes, law, sheet) for sheet in self.sheets),
+            *(
+                element_frequency_kernel(real, frequency_lane_count(lane_count, law), law, sheet)
+                for sheet in self.sheets
+            ),
             *(node_motion_kernel(real, lane_count, node) for node in self.nodes),
             *(surface_contact_kernel(real, lane_count, node) for node in self.nodes if node.sampled),
             *(element_ledger_kernel(real, law, sheet) for sheet in self.sheets),
@@ -211,7 +214,8 @@ class KernelSet:
             *(ply_kernels(real, lane_count) if self.plies else []),
             *(own_contact_kernels(real, lane_count) if self.own_contact else []),
             *(mirror_kernels(real, lane_count) if self.mirrored else []),
-            *(motion(real if is_cpu or not self.tools else wp.float64) for motion in motions),
+            *([carried_motion_kernel(summed)] if any(carried) else []),
+            *(tool_motion_kernel(summed, waits) for waits in self.waiting if not all(carried)),
             *([] if is_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
@@ -237,19 +241,10 @@ def kernel_sets(setup: Setup) -> list[KernelSet]:
             geometry = ElementGeometry.of(world.symmetry.upright(sheet.oriented_blank))
             traits = (
                 sheet_traits(sheet.fabric, geometry, world.dynamics),
-                node_traits(sheet, _as_in_stages(setup, world)),
+                node_traits(sheet, as_in_stages(setup, world)),
             )
             sets.append(KernelSet.of_sheet(setup, sheet.fabric.unit_cell, *traits))
     return sets
-
-
-def _as_in_stages(setup: Setup, world: World) -> World:
-    """A world with laws of friction where its stages have them."""
-    lawful = among_laws(setup, world)
-    if not lawful:
-        return world
-    tools = tuple(tool.model_copy(update={"friction": AmongLaws.of(0.0)}) for tool in world.tools)
-    return world.model_copy(update={"tools": tools})
 
 
 @dataclass(frozen=True)

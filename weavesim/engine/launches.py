@@ -115,8 +115,11 @@ class Launches:
         self.plies = PlyLaunches(model, state)
         self._sums = self._reaction_sums()
         # sums are in double precision
-        motion = tool_motion_kernel if model.tools.carriers is None else carried_motion_kernel
-        self._tool_motion = motion(wp.float64 if len(self._sums) > 1 else real)
+        summed = wp.float64 if len(self._sums) > 1 else real
+        if model.tools.carriers is None:
+            self._tool_motion = tool_motion_kernel(summed, model.tools.waits)
+        else:
+            self._tool_motion = carried_motion_kernel(summed)
         self.tool_books = ToolBooks()
         self.tool_books.work, self.tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)

@@ -22,7 +22,7 @@ from ..process.stages import Stage
 from ..process.supports import Support
 from ..ranges import Quantity, check_usual
 from ..sheet.sheet import Sheet
-from ..sheet.symmetry import Symmetry
+from ..sheet.symmetry import AXES, Symmetry
 from ..tools.proportions import disproportionate_tools
 from ..tools.tool import Tool
 from .staging.acting import Parts
@@ -153,6 +153,12 @@ class World(Parameters):
         _check_names("tools", [tool.name for tool in self.tools])
         for sheet in self.sheets:
             sheet.check_symmetry(self.symmetry)
+        for plane in self.symmetry.planes:
+            if self.dynamics.gravity[AXES[plane]] != 0.0:
+                raise ValueError(
+                    f"gravity = {self.dynamics.gravity}: it pulls across the plane of symmetry {plane} = 0, in whose "
+                    f"mirror image it would pull the other way; leave {plane!r} out of symmetry"
+                )
         self._check_interfaces()
         return self
 

@@ -12,8 +12,10 @@ from ..process.dynamics import Dynamics
 from ..process.friction import AmongLaws, has_law
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
+from ..tools.device import strokes_wait
 from ..tools.shapes import IDENTITY, shape_kinds
-from .setup import World
+from .setup import Setup, World
+from .staging.derive import among_laws
 
 
 def sheet_traits(fabric: Fabric, geometry: ElementGeometry, dynamics: Dynamics) -> SheetTraits:
@@ -41,3 +43,21 @@ def node_traits(sheet: Sheet, world: World) -> NodeTraits:
         carried=any(tool.motion.is_carried for tool in world.tools),
         friction_laws=any(has_law(tool.friction) or isinstance(tool.friction, AmongLaws) for tool in world.tools),
     )
+
+
+def as_in_stages(setup: Setup, world: World) -> World:
+    """A world with laws of friction where its stages have them."""
+    lawful = among_laws(setup, world)
+    if not lawful:
+        return world
+    tools = tuple(tool.model_copy(update={"friction": AmongLaws.of(0.0)}) for tool in world.tools)
+    return world.model_copy(update={"tools": tools})
+
+
+def waiting(setup: Setup) -> tuple[bool, ...]:
+    """Whether strokes of a run have a largest force; both where its stages may have it either way."""
+    own = strokes_wait(setup.tools)
+    if not setup.stages:
+        return (own,)
+    later = any(move.motion.limiting_force > 0.0 for stage in setup.stages for move in stage.moves)
+    return (False, True) if own or later else (False,)

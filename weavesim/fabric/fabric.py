@@ -15,7 +15,7 @@ from ..ranges import Quantity, unusual_values
 from .bending import BendingLaw
 from .cell import UnitCell
 from .compaction import Compaction, check_compaction
-from .proportions import disproportionate_values
+from .proportions import disproportionate_values, families_apart
 from .provenance import Origin, check_provenance, origin_of, out_of_range, still_true
 from .shear import CrossoverFriction, LinearShear, ShearLaw
 
@@ -99,7 +99,7 @@ class Fabric(Parameters):
     @property
     def _cell_slip(self) -> str:
         """A likely slip in the yarns, which limits that depend on them mention."""
-        unusual = next(unusual_values(self.unit_cell, "unit_cell"), "")
+        unusual = next(unusual_values(self.unit_cell, "unit_cell"), "") or next(families_apart(self.unit_cell), "")
         return unusual and f"; but {unusual}"
 
     @model_validator(mode="after")

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from .bending.law import YarnName
 from .bending.yarns import YarnBending
+from .cell.contract import UnitCell
+from .cell.membrane import LinearMembrane
+from .cell.tape import UnidirectionalTape
 from .cell.weaves import CrossedYarns
 
 if TYPE_CHECKING:
     from .fabric import Fabric
+
+logger = logging.getLogger(__name__)
 
 # From loose knits and nonwovens to meshes of metal wire [kg/m^3].
 USUAL_DENSITY = (100.0, 4000.0)
@@ -26,6 +32,8 @@ USUAL_THICKNESS_RATIO = (0.3, 200.0)
 LARGEST_USUAL_CRIMP = 1.5
 # Twist over the mean of warp and weft: 0.5 of a plate, less of yarns that slide on each other.
 LARGEST_USUAL_TWIST = 3.0
+# Stiffness of one yarn family over that of the other: beyond it, one is probably in another unit (N/mm, N mm).
+LARGEST_USUAL_FAMILY_RATIO = 300.0
 GRAVITY = 9.81
 
 
@@ -41,6 +49,14 @@ def disproportionate_values(fabric: Fabric) -> Iterator[str]:
     yield from _bending(fabric)
     if isinstance(fabric.bending, YarnBending):
         yield from _twist(fabric.bending, fabric.thickness)
+    for sentence in families_apart(fabric.unit_cell):
+        if isinstance(fabric.unit_cell, CrossedYarns):
+            yield sentence
+        else:  # a ply of parallel fibres has it too
+            logger.warning("%s: %s; right for fibres of one direction, not for a weave", fabric.name, sentence)
+    if isinstance(fabric.bending, YarnBending) and isinstance(fabric.unit_cell, CrossedYarns):
+        both = [fabric.bending.strip_stiffness(yarn, fabric.thickness) for yarn in ("warp", "weft")]
+        yield from _families("the bending stiffness", "N m", both, "N mm")
     if isinstance(fabric.unit_cell, CrossedYarns):
         yield from _crossovers(fabric, fabric.unit_cell)
 
@@ -71,6 +87,39 @@ def _stiffness(fabric: Fabric, stiffness: float) -> Iterator[str]:
             f"the bending stiffness, {stiffness:.4g} N m, of a sheet {fabric.thickness:.4g} m thick is that of a solid "
             f"plate with a modulus of {modulus:.3g} Pa; usual for fabrics are {low:g} to {high:g} Pa: check the "
             "bending law (N mm, MPa) and thickness (mm)"
+        )
+
+
+def families_apart(cell: UnitCell) -> Iterator[str]:
+    """A sentence on warp and weft of a cell whose stiffnesses are so far apart that a unit is likely wrong."""
+    if isinstance(cell, CrossedYarns | LinearMembrane):
+        yield from _families("the yarn stiffness per width", "N/m", cell.yarn_stiffness_per_width, "N/mm, MPa, mm^2")
+
+
+def families_alike(fabric: Fabric) -> bool:
+    """Whether warp and weft may be exchanged: every number of the one is that of the other.
+
+    Of parts that do not call them by name, such as a bending modulus, it is taken for granted; not so of a tape.
+    """
+    cell = fabric.unit_cell
+    if isinstance(cell, UnidirectionalTape) or getattr(cell, "warp_crimp_share", 0.5) != 0.5:
+        return False
+    for part in (cell, fabric.bending):
+        for name in type(part).model_fields:
+            other = name.replace("warp", "weft")
+            if other != name and hasattr(part, other) and getattr(part, name) != getattr(part, other):
+                return False
+    return True
+
+
+def _families(what: str, unit: str, both: Sequence[float], slip: str) -> Iterator[str]:
+    warp, weft = both
+    if min(both) > 0.0 and max(both) > LARGEST_USUAL_FAMILY_RATIO * min(both):
+        stiff, soft = ("warp", "weft") if warp > weft else ("weft", "warp")
+        yield (
+            f"{what} is {warp:.4g} {unit} along the warp and {weft:.4g} {unit} along the weft: the {stiff} is "
+            f"{max(both) / min(both):.4g} times as stiff as the {soft}, usual are up to "
+            f"{LARGEST_USUAL_FAMILY_RATIO:g} times; check the units of both ({slip})"
         )
 
 

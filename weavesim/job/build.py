@@ -189,6 +189,7 @@ class Builder:
         table, names = self.file.job.interface, [ply.name for _, ply in self.plies]
         usual = law_of(friction_of(self.file, ["interface", "friction"], table.friction, of_tool=False))
         found = {pair: Interface(*pair, usual, passes=table.passes) for pair in zip(names[:-1], names[1:], strict=True)}
+        told: set[tuple[str, str]] = set()
         for index, own in enumerate(table.pair):
             keys, pair = ["interface", "pair", index], (own.lower, own.upper)
             if pair not in found:
@@ -196,6 +197,9 @@ class Builder:
                 self.file.refuse(
                     keys, f"lower = {own.lower!r}, upper = {own.upper!r}: no neighbours; there are {known}"
                 )
+            if pair in told:
+                self.file.refuse(keys, f"lower = {own.lower!r}, upper = {own.upper!r}: this pair is given twice")
+            told.add(pair)
             law = usual
             if own.friction is not None:
                 law = law_of(friction_of(self.file, [*keys, "friction"], own.friction, of_tool=False))

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..engine.setup import Setup
+from ..errors import InputError
 from ..process.motions.paths import PathMotion
 from ..process.strokes import Motion
+from ..ranges import ACCEPTING
 from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap
 from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
@@ -84,7 +86,7 @@ def check_setup(setup: Setup) -> Checked:
         *(Row("stages", name, text) for name, text in stage_lines(setup)),
         *_speeds(setup),
         *damping_rows(setup),
-        *_cost(prepared.info.expected),
+        *_cost(prepared.info.expected, setup),
         *(
             Row("doubts", doubt.guard.replace("_", " "), doubt.text, _judgement(doubt), doubt.advice)
             for doubt in doubts
@@ -220,7 +222,7 @@ def _gaps(setup: Setup, start: Start) -> Iterator[Row]:
                 judgement, advice = LOOK, f"{advice}: too tight, shorten the stroke or widen the gap"
                 limited = any(tool.motion.limiting_force for tool in (world.tools[a], world.tools[b]))
                 if not (pressed or limited or setup.accept_unusual):
-                    advice += ", or give it a largest_force; a run is refused without --accept-unusual"
+                    advice += ", or give it a largest_force; a run is refused without accept_unusual"
             elif share > LOOSE and not pressed:
                 judgement, advice = NOTE, f"{advice}: it is not pressed"
             yield Row(
@@ -303,8 +305,8 @@ def _turning_speeds(name: str, motion: Motion, speed: float, setup: Setup) -> It
     )
 
 
-def _cost(expected: Estimate | None) -> Iterator[Row]:
-    from ..run.estimate import duration_text
+def _cost(expected: Estimate | None, setup: Setup) -> Iterator[Row]:
+    from ..run.estimate import check_bounds, duration_text
 
     if expected is None or expected.time_step is None or expected.seconds is None or expected.step_count is None:
         return
@@ -313,6 +315,11 @@ def _cost(expected: Estimate | None) -> Iterator[Row]:
     yield Row(
         "cost", "memory and disk", f"{max(1.0, expected.memory / 1e6):,.0f} MB, {max(1.0, expected.disk / 1e6):,.0f} MB"
     )
+    try:
+        check_bounds(expected, setup)
+    except InputError as error:
+        text = str(error).replace(ACCEPTING, "").strip()
+        yield Row("cost", "bounds", text, LOOK, "a run is refused without accept_unusual")
 
 
 def table_of(rows: Sequence[Row], width: int) -> str:

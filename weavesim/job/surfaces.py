@@ -112,6 +112,11 @@ class Surfaces:
                 faces = part.faces
                 if any(each.ring_of == base.name for each in self._file.job.tool):
                     faces = faces[~rim_faces(part.vertices, faces)]
+                if not len(faces):
+                    raise InputError(
+                        f"tool {base.name} has no opening: all of it is the flat rim, over which a ring lies; leave "
+                        "the ring out, or give the punch as a file"
+                    )
                 vertices = offset_surface(f"tool {base.name}", part.vertices, faces, float(tool.gap or 0.0))
                 faces = faces[:, ::-1]
             side = (0.0, 0.0, -1.0 if up else 1.0)

@@ -25,7 +25,7 @@ EXAMPLES = {
 }  # fmt: skip
 _KNOWN = (
     "mm", "cm", "m", "um", "inch", "deg", "rad", "N", "kN", "mN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "g", "kg",
-    "s", "ms", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s", "deg/s", "rad/s", "%",
+    "s", "ms", "us", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s", "deg/s", "rad/s", "%",
 )  # fmt: skip
 # What plain numbers are in.
 _METRE = Unit("m", (0, 1, 0, 0))
@@ -45,6 +45,8 @@ def number_of(text: str, row: Row) -> float:
     number, written = match["number"], (match["unit"] or "").strip()
     own = _METRE if row.unit == "m/unit" else parse_unit(row.unit) or Unit("1")
     unit = parse_unit(written) if written else own
+    if unit is None and re.match(r",\d", written):
+        raise ValueError(f"decimals need a point, not a comma: write '{number}.{written[1:]}'")
     if unit is None:
         near = difflib.get_close_matches(written, _KNOWN, n=1)
         meant = f"; did you mean {near[0]!r}?" if near else ""

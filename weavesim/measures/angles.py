@@ -102,7 +102,10 @@ def _local_coordinates(corner: np.ndarray, point: np.ndarray) -> tuple[np.ndarra
             )
             / np.where(solvable, determinant, 1.0)[:, None]
         )
-        local = np.clip(local + step, -3.0, 3.0)
+        moved = np.clip(local + step, -3.0, 3.0)
+        if np.array_equal(moved, local):  # so would all further steps
+            break
+        local = moved
     return local, shapes
 
 

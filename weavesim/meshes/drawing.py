@@ -48,7 +48,7 @@ def read_lines(path: Path, *, layer: str | None = None, metres_per_unit: float |
 
     Args:
         path: of the drawing.
-        layer: whose lines are taken; None takes all.
+        layer: whose lines are taken; None takes those of all layers that are neither off nor frozen.
         metres_per_unit: of the drawing; None takes what its header says.
 
     Raises:
@@ -67,6 +67,7 @@ def read_lines(path: Path, *, layer: str | None = None, metres_per_unit: float |
         entities = list(islice(recursive_decompose(drawing.modelspace()), MOST_ENTITIES + 1))
         layers = sorted({str(entity.dxf.layer) for entity in entities})
         code = int(drawing.header.get("$INSUNITS", 0))
+        hidden = {str(each.dxf.name) for each in drawing.layers if each.is_off() or each.is_frozen()}
     except Exception as error:  # whatever a damaged file makes of it
         reason = "it needs too much memory" if isinstance(error, MemoryError) else shown(type(error).__name__)
         raise InputError(
@@ -79,9 +80,13 @@ def read_lines(path: Path, *, layer: str | None = None, metres_per_unit: float |
         raise InputError(f"layer = {layer!r}: {name} has no such layer; it has {', '.join(map(shown, layers))}")
     lines: list[np.ndarray] = []
     left_out: dict[str, int] = {}
+    unseen: dict[str, int] = {}
     point_count = 0
     for entity in entities:
         if layer is not None and entity.dxf.layer != layer:
+            continue
+        if layer is None and str(entity.dxf.layer) in hidden:
+            unseen[str(entity.dxf.layer)] = unseen.get(str(entity.dxf.layer), 0) + 1
             continue
         try:
             points = _points(name, make_path(entity), scale)
@@ -96,7 +101,12 @@ def read_lines(path: Path, *, layer: str | None = None, metres_per_unit: float |
         if len(points) > 1:
             lines.append(points)
     notes = (f"{Path(path).name}: {count} {kind} left out: no lines" for kind, count in sorted(left_out.items()))
-    return Drawing(name, tuple(lines), tuple(notes))
+    off = (
+        f"{Path(path).name}: {count} on layer {shown(each)} left out: it is off or frozen; name it with "
+        "layer to take it"
+        for each, count in sorted(unseen.items())
+    )
+    return Drawing(name, tuple(lines), (*notes, *off))
 
 
 def _points(name: str, path: Any, scale: float) -> np.ndarray:

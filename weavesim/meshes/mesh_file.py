@@ -117,7 +117,7 @@ class MeshFile:
         if unit is not None and abs(unit_scale - unit) > 1e-6 * unit:
             raise InputError(
                 f"{self.name} says that its unit is {unit:g} m, but unit_scale = {unit_scale:g}: give "
-                f"unit_scale={unit:g}, or export the mesh in another unit."
+                f"unit_scale={unit:g}, or leave the unit out."
             )
 
     def _split(self, cells: Cells, notes: list[str]) -> np.ndarray:

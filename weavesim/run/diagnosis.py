@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine.model import Model
 from ..engine.state import State
-from ..kernels.rows import PassEntry
+from ..kernels.pass_entries import PassEntry
 from ..sheet.blank import Blank
 from .frame import Frame, SheetFrame
 
@@ -62,8 +62,8 @@ def _late_contact(model: Model, state: State) -> Failure | None:
         if own.entry.numpy()[PassEntry.late] > 0.0:
             text = (
                 f"{each.name}: before {state.time:.4g} s a node went past the facets on which it "
-                "was looked for, so that a contact may have been missed: sheets slide faster than the search allows; "
-                "move the tools more slowly"
+                "was looked for, so that a contact may have been missed: elements have turned over, or sheets slide "
+                "faster than the search allows; refine the mesh, or move the tools more slowly"
             )
             return Failure(text, state.time, each.slave.name, None)
     return None

@@ -111,11 +111,21 @@ class SheetLedger:
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
         points = nodes + len(sheet.samples.places) * elements
+        # of nodes and samples; the former change with the sheet where contact follows them
+        self._half_thickness = np.full(points, 0.5 * sheet.fabric.thickness)
+        self._half_thickness[nodes:] -= sheet.samples.allowance
+        self._stiffness = np.concatenate(
+            [sheet.contact_stiffness, np.tile(sheet.samples.stiffness, len(sheet.samples.places))]
+        )
         self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
         self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
         self._tool_fields = ToolFields(sheet)
         self._surface_fields = SurfaceFields(model, index, state, acting)
-        self._judged_gaps = ToolGaps(model, index, state, nodes + (len(JUDGED_PLACES) + 1) * elements, acting)
+        # the distances at nodes and samples are known from the energies of the contact
+        samples = [place.tolist() for place in sheet.samples.places]
+        self._known = [samples.index(place) if place in samples else None for place in JUDGED_PLACES.tolist()]
+        self._unknown = JUDGED_PLACES[[known is None for known in self._known]]
+        self._judged_gaps = ToolGaps(model, index, state, (len(self._unknown) + 1) * elements, acting)
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
         self.initial_kinetic = self._kinetic(velocity, velocity, spin, spin)
@@ -260,14 +270,12 @@ class SheetLedger:
         sample_count = len(sheet.samples.places)
         slot = sheet.samples.slot
         points = [position, *self._surfaces(position, director, sheet.samples.places)]
-        half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             samples = [np.tile(between[slot], sample_count)] if sample_count else []
-            half_thickness = np.concatenate([own[:node_count], *samples])
-        half_thickness[node_count:] -= sheet.samples.allowance
-        self._half_thickness = half_thickness
-        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
+            self._half_thickness = np.concatenate([own[:node_count], *samples])
+            self._half_thickness[node_count:] -= sheet.samples.allowance
+        half_thickness, stiffness = self._half_thickness, self._stiffness
         self._distance = self._contact_gaps(np.concatenate(points))
         penetration = np.maximum(half_thickness - self._distance, 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
@@ -308,28 +316,39 @@ class SheetLedger:
         sheet, quads, position = self._model, self._model.blank.quads, frame.position
         if not sheet.tool_count:
             return NO_PENETRATION
+        node_count, element_count = len(position), len(quads)
         at_elements = half_thickness(sheet.fabric.thickness, frame.fields["thickness"], sheet.follows_thickness)
-        at_nodes = np.full(len(position), 0.5 * sheet.fabric.thickness)
+        at_nodes = np.full(node_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
-            there, count = quads[sheet.kept].ravel(), len(position)
-            own = np.bincount(there, np.repeat(at_elements[sheet.kept], 4), count)
-            at_nodes = own / np.maximum(np.bincount(there, minlength=count), 1)
-        gone, count = ~sheet.kept, len(JUDGED_PLACES)
-        points = [position, *self._surfaces(position, frame.director, JUDGED_PLACES)]
-        distance = self._judged_gaps(np.concatenate([*points, position[quads].mean(axis=1)]))
-        half = np.concatenate([at_nodes, np.tile(at_elements, count + 1)])
-        half[np.concatenate([sheet.waste, np.tile(gone, count + 1)])] = -np.inf
-        depth = (half - distance).max(axis=0)
-        worst = int(depth[: -len(quads)].argmax())
-        flat, element = sheet.blank.material_coordinates, (worst - len(position)) % len(quads)
-        x, y = flat[worst] if worst < len(position) else self.place_of(element)
+            there = quads[sheet.kept].ravel()
+            own = np.bincount(there, np.repeat(at_elements[sheet.kept], 4), node_count)
+            at_nodes = own / np.maximum(np.bincount(there, minlength=node_count), 1)
+        at_nodes[sheet.waste], at_elements[~sheet.kept] = -np.inf, -np.inf
+        places = self._judged_distances(position, frame.director)
+        depths = [(at_elements - distance).max(axis=0) for distance in places]
+        depth = np.concatenate([(at_nodes - self._distance[:, :node_count]).max(axis=0), *depths])
+        worst = int(depth[:-element_count].argmax())
+        flat, element = sheet.blank.material_coordinates, (worst - node_count) % element_count
+        x, y = flat[worst] if worst < node_count else self.place_of(element)
         return Penetration(
-            at_nodes=float(depth[: len(position)].max()),
+            at_nodes=float(depth[:node_count].max()),
             at_surface=float(depth[worst]),
-            at_element_centres=float(depth[-len(quads) :].max()),
+            at_element_centres=float(depths[-1].max()),
             sheet=sheet.name,
             place=(float(x), float(y)),
         )
+
+    def _judged_distances(self, position: np.ndarray, director: np.ndarray) -> list[np.ndarray]:
+        """Of every element's ``JUDGED_PLACES`` and of its middle from the tools, (tool_count, element_count) each [m].
+
+        Those at samples are known from the frame just taken.
+        """
+        a, b, c, d = (position[corner] for corner in self._model.blank.quads.T)
+        points = [*self._surfaces(position, director, self._unknown), (a + b + c + d) / 4.0]
+        shape = self._model.tool_count, -1, self._model.blank.element_count
+        found, known = self._judged_gaps(np.concatenate(points)), self._distance[:, len(position) :]
+        others, of_samples = iter(found.reshape(shape).swapaxes(0, 1)), known.reshape(shape)
+        return [next(others) if place is None else of_samples[:, place] for place in self._known] + [next(others)]
 
 
 def _rates(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

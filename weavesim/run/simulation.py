@@ -349,13 +349,13 @@ class Simulation(PreparedOnce):
 
     @property
     def verdict(self) -> str:
-        """ "trusted", "doubtful" or "do not use", by the worst of the doubts."""
-        return verdict_of(self.doubts())
+        """ "trusted", "doubtful" or "do not use", by the worst of the doubts; "not run" before the run."""
+        return verdict_of(self.doubts()) if self.history else "not run"
 
     @property
     def trusted(self) -> bool:
-        """Whether there is no doubt beyond a note."""
-        return all(doubt.level == Level.NOTE for doubt in self.doubts())
+        """Whether it has been run, and there is no doubt beyond a note."""
+        return bool(self.history) and all(doubt.level == Level.NOTE for doubt in self.doubts())
 
     # --- notebooks ---------------------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ from pydantic import model_validator
 from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
 from ..fabric.fabric import Fabric
+from ..fabric.proportions import families_alike
 from ..names import Label
 from ..process.grippers import Gripper
 from ..process.loads import NodalLoads
@@ -28,6 +29,9 @@ USUAL_BLANK_SIZE = (2.0e-3, 8.0)
 LARGEST_USUAL_THICKNESS = 0.25
 # Area of an element on the flat blank over its own, for self-contact; the largest is the inverse.
 SMALLEST_FLAT_AREA = 0.5
+# Angle of the yarns to a plane of symmetry or to its normal [degrees]: of straight ones, and of ones that curve.
+LARGEST_LEAN = 0.1
+LARGEST_CURVED_LEAN = 3.0
 
 
 class Sheet(Parameters):
@@ -105,10 +109,12 @@ class Sheet(Parameters):
         """Check the sheet against the symmetry of its world.
 
         Raises:
-            InputError: a plane that no node lies on, or a node that a support drives off its plane.
+            InputError: a plane that no node lies on, yarns that are not their own mirror image there, or a node that a
+                support drives off its plane.
         """
         for plane in symmetry.planes:
             on_plane = symmetry.held_nodes(self.blank, plane)
+            self._check_yarns(plane, on_plane)
             for support in self.supports:
                 for k in range(len(support.drives)):
                     if support.directions(k)[on_plane[support.nodes], AXES[plane]].any():
@@ -116,6 +122,35 @@ class Sheet(Parameters):
                             f"support {support.name}: drive {k} moves a node off the symmetry plane {plane} = 0; its "
                             f"{plane} must stay 0 there"
                         )
+
+    def _check_yarns(self, plane: str, on_plane: np.ndarray) -> None:
+        """Check that the yarns at a plane of symmetry go on in their mirror image."""
+        quads, warp = self.blank.quads, self.oriented_blank.warp_direction
+        element, corner = np.nonzero(on_plane[quads] & on_plane[np.roll(quads, -1, axis=1)])
+        if not len(element):
+            return
+        # within the sheet: across a sharp bend at the plane, the yarns of the elements beside it lean by themselves
+        along = self.blank.node_position[quads[element, (corner + 1) % 4]]
+        along = along - self.blank.node_position[quads[element, corner]]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        cosine = np.abs(np.einsum("ei,ei->e", warp[element], along))
+        angle = 90.0 - np.degrees(np.arcsin(np.minimum(cosine, 1.0)))
+        # yarns that curve are at another angle half an element beside the plane
+        limit = LARGEST_LEAN if np.ptp(warp, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
+        leans = np.minimum(angle, 90.0 - angle)
+        lean = float(leans.max())
+        if lean <= limit:
+            return
+        diagonal = leans.min() >= 45.0 - limit
+        if diagonal and families_alike(self.fabric):
+            return
+        problem = f"the warp lies at {lean:.4g} degrees to the plane of symmetry {plane} = 0 or to its normal"
+        if diagonal:
+            problem += ", where its mirror image is the weft, which is not like it"
+        raise ValueError(
+            f"sheet {self.name}: {problem}; a plane needs yarns along it or across it, or at 45 degrees if warp and "
+            f"weft are alike: leave {plane!r} out of symmetry, and give the whole sheet"
+        )
 
     def disproportions(self) -> Iterator[str]:
         size, thickness = self.blank.size, self.fabric.thickness

@@ -83,7 +83,11 @@ class Symmetry(Parameters):
         """
         held = on_plane(blank, plane)
         if not held.any():
-            raise InputError(f"symmetry plane {plane} = 0: no node of the blank lies on it")
+            off = 1e3 * float(np.abs(blank.node_position[:, AXES[plane]]).min())
+            raise InputError(
+                f"symmetry plane {plane} = 0: no node of the blank lies on it, the nearest is {off:.4g} mm off; what "
+                "is given ends at the plane"
+            )
         return held
 
     def upright(self, blank: Blank) -> Blank:

@@ -14,6 +14,7 @@ import numpy as np
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..job.build import setup_of
+from ..job.overrides import overridden
 from ..job.read import JobFile, read_job
 from ..job.scenes import scene_of
 from ..measures.defects.judgement import Limits
@@ -143,6 +144,7 @@ class JobSubject:
         """
         own = [text for factor, value in zip(factors, trial.values, strict=True) for text in factor.settings(value)]
         file = self.file(own)
+        self._check_once(file, own)
         if trial.repeat and self.noise.by == "mesh":
             file = self.file([*own, *_other_mesh(file, self._share(trial.repeat))])
         setups, scene, parameters = self._setups(file)
@@ -159,6 +161,20 @@ class JobSubject:
         return Case(
             key, setup_hash, JobTask(tuple(setups.items()), scene, parameters, self.limits, self.points, self.threads)
         )
+
+    def _check_once(self, file: JobFile, own: Sequence[str]) -> None:
+        """Raise InputError for a value that is varied twice, or varied and set for all runs, however it is called."""
+        taken: dict[tuple[str, ...], int] = {}
+        settings = (*self.settings, *own)
+        for place, setting in enumerate(settings):
+            for keys in overridden(file.document.values, [setting])[1]:
+                if keys in taken and place >= len(self.settings):
+                    name, other = (text.partition("=")[0].strip() for text in (setting, settings[taken[keys]]))
+                    is_own = taken[keys] >= len(self.settings)
+                    how = "varied twice" if is_own else "varied, and set for all runs"
+                    also = f", as {other} too" if other != name else ""
+                    raise InputError(f"{name} is {how}{also}: one of both would be ignored; leave it out there")
+                taken[keys] = place
 
     def unit_of(self, key: str) -> str:
         """SI unit of a key of the job; "" for none, or for a key that is refused later."""

@@ -61,6 +61,14 @@ class MeasureTable(JobTable):
     at_most: Finite | None = Field(default=None, description="a run beyond it is not good, in the measure's unit")
     at_least: Finite | None = Field(default=None, description="a run below it is not good")
 
+    @model_validator(mode="after")
+    def _leaves_some(self) -> Self:
+        if self.at_most is not None and self.at_least is not None and self.at_most < self.at_least:
+            raise ValueError(
+                f"at_most = {self.at_most:g}, at_least = {self.at_least:g}: no run can be good; exchange them"
+            )
+        return self
+
 
 class NoiseTable(JobTable):
     """Numerical noise: some runs are repeated with a change that means nothing. `[noise]`."""
@@ -137,6 +145,9 @@ class StudyTable(JobTable):
             raise ValueError("[[vary]]: at least one parameter is needed")
         if not self.measure:
             raise ValueError("[[measure]]: at least one measure is needed")
+        names = [measure.name for measure in self.measure]
+        if again := next((name for place, name in enumerate(names) if name in names[:place]), None):
+            raise ValueError(f"[[measure]]: {again} is given twice; give each once, with its goal and its limits")
         needed = {"latin-hypercube": "samples", "sobol": "samples", "optimise": "budget"}.get(self.method)
         if needed is not None and getattr(self, needed) is None:
             raise ValueError(f'{needed}: is required with method = "{self.method}"')

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..input_files import MEBIBYTE, read_bounded, shown
-from .header import Header, find_header
+from .header import Header, find_header, fold
 from .numbers import DecimalMark, number, quoted
 from .rows import comment_of, is_blank, split_line, trimmed
 from .text import MissingColumn, TableFault, text_lines
-from .units import Unit, parse_unit
+from .units import Unit, bare_name, parse_unit
 
 LARGEST_TABLE = 50 * MEBIBYTE
 LARGEST_ROW_COUNT = 1_000_000
@@ -87,6 +87,16 @@ class Table:
         with faults_of(self.path, self.what):
             header = find_header(self.lines, [column])
         return header.units[header.places[0]]
+
+    def names_beside(self, column: str) -> tuple[str, ...]:
+        """Names of all columns of the header of a column, without their units, in lower case with underscores.
+
+        Raises:
+            InputError: a column that is missing or occurs twice.
+        """
+        with faults_of(self.path, self.what):
+            header = find_header(self.lines, [column])
+        return tuple(fold(bare_name(name)).replace(" ", "_") for name in header.names if name)
 
     def has(self, column: str) -> bool:
         """Whether there is such a column.

@@ -17,7 +17,8 @@ _SYMBOLS: dict[str, tuple[Dimension, float]] = {
     "m": (_LENGTH, 1.0), "dm": (_LENGTH, 0.1), "cm": (_LENGTH, 1e-2), "mm": (_LENGTH, 1e-3), "µm": (_LENGTH, 1e-6),
     "nm": (_LENGTH, 1e-9), "in": (_LENGTH, _INCH), "ft": (_LENGTH, 12.0 * _INCH),
     "kg": (_MASS, 1.0), "g": (_MASS, 1e-3), "mg": (_MASS, 1e-6),
-    "s": (_TIME, 1.0), "ms": (_TIME, 1e-3), "min": (_TIME, 60.0), "h": (_TIME, 3600.0),
+    "s": (_TIME, 1.0), "ms": (_TIME, 1e-3), "µs": (_TIME, 1e-6), "ns": (_TIME, 1e-9),
+    "min": (_TIME, 60.0), "h": (_TIME, 3600.0),
     "N": (_FORCE, 1.0), "mN": (_FORCE, 1e-3), "cN": (_FORCE, 1e-2), "daN": (_FORCE, 10.0), "kN": (_FORCE, 1e3),
     "MN": (_FORCE, 1e6), "gf": (_FORCE, 1e-3 * _GRAVITY), "kgf": (_FORCE, _GRAVITY), "kp": (_FORCE, _GRAVITY),
     "lbf": (_FORCE, _POUND * _GRAVITY),
@@ -33,6 +34,7 @@ LONGEST_NAME = 200
 _WRITTEN = {
     "deg": "°", "degs": "°", "degree": "°", "degrees": "°", "º": "°", "˚": "°", "degré": "°", "degrés": "°",
     "grado": "°", "grados": "°", "gradi": "°", "Grad": "°", "radian": "rad", "radians": "rad", "um": "µm", "μm": "µm",
+    "us": "µs", "μs": "µs",
     "micron": "µm", "microns": "µm", "inch": "in", "inches": "in", "meter": "m", "metre": "m", "meters": "m",
     "metres": "m", "millimeter": "mm", "millimetre": "mm", "millimeters": "mm", "millimetres": "mm", "newton": "N",
     "newtons": "N", "kilonewton": "kN", "kilonewtons": "kN", "sec": "s", "secs": "s", "sek": "s", "second": "s",

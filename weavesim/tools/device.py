@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -34,6 +34,7 @@ class DeviceTools:
         tool: ``kernels.contact.tool_distance.tool_struct(real)``, (tool_count,).
         part: ``kernels.contact.tool_shapes.part_struct(real)``, (part_count,), all parts of all tools.
         drives: ``kernels.stepping.tools.ToolDrives``: how all of them move.
+        waits: whether any stroke has a largest force.
         carriers: ``kernels.carried.motion.Carriers``: what carries and turns them; None where no tool is carried.
         initial_pose: at time zero, (tool_count, entries of ToolPoseRow); (0, entries) where no tool is carried.
         initial_displacement, initial_velocity: along each axis at time zero, (tool_count,) [m], [m/s].
@@ -45,6 +46,7 @@ class DeviceTools:
     tool: wp.array
     part: wp.array
     drives: Any
+    waits: bool
     carriers: Any
     initial_pose: np.ndarray
     initial_displacement: np.ndarray
@@ -104,6 +106,7 @@ def build_device_tools(
         tool=array(_tool_data(tools, real), tool_struct(real)),
         part=array([_part_data(part, real, samples) for part in parts], part_struct(real)),
         drives=drives,
+        waits=strokes_wait(tools),
         carriers=carriers,
         initial_pose=poses(tools if carriers is not None else (), 0.0, start[:, 0]),
         initial_displacement=start[:, 0],
@@ -113,6 +116,11 @@ def build_device_tools(
         argument=array(np.concatenate([np.empty(0), *(arguments for arguments, _ in tables)]), real),
         coefficient=array(np.concatenate([np.empty(0), *(values for _, values in tables)]), real),
     )
+
+
+def strokes_wait(tools: Iterable[Tool]) -> bool:
+    """Whether any of the tools makes a stroke that waits at a largest force."""
+    return any(tool.motion.limiting_force > 0.0 for tool in tools)
 
 
 def _tool_data(tools: Sequence[Tool], real: type) -> list[Any]:

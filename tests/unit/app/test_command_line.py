@@ -191,14 +191,22 @@ def test_report_is_pointed_at(weavesim_command, tmp_path):
         (["--part", "third"], "third"),
         (["--holder-gap", "0"], "--holder-gap = 0"),
         (["--colour", "red"], "--colour"),
-        (["--out", ""], "a path is needed"),
-        (["--out", "  "], "a path is needed"),
+        (["--out", ""], "--out: it is empty"),
+        (["--out", "  "], "--out: it is empty"),
+        (["--out="], "--out: it is empty"),
     ],
 )
 def test_bad_option_is_reported_before_the_run(weavesim_command, arguments, message):
     started = []
     code, _, err = weavesim_command("double-dome", *arguments, run=started.append)
     assert code == 2 and message in err and started == []
+
+
+@pytest.mark.parametrize("command", [["form", "job.toml"], ["verdict", "out"], ["study", "study.toml"]])
+@pytest.mark.parametrize("empty", [["--out", ""], ["--out="], [" "]])
+def test_an_empty_path_is_not_the_current_folder(weavesim_command, command, empty):
+    code, _, err = weavesim_command(*command, *empty)
+    assert code == 2 and "it is empty" in err
 
 
 @pytest.mark.parametrize(

@@ -187,6 +187,8 @@ def test_fields_of_a_later_version_and_another_commit_do_not_make_a_run_another(
     [
         (["--scene", "double-dome", "--thickness", "3", "--fabric", "carbon"],
          "--thickness, --fabric: no effect with --scene"),
+        (["--die", "die.stl", "--thickness", "0.0012"], "a gap of 0.0012 mm between the closed tools does not suit"),
+        (["--die", "die.stl", "--thickness", "60"], "which is 1.2 mm thick; a number without a unit is in mm"),
         (["--die", "die.stl", "--ring", "ring.stl", "--no-ring"], "--ring and --no-ring: give one of them"),
     ],
 )  # fmt: skip
@@ -221,6 +223,16 @@ def test_what_only_the_run_would_refuse_is_told_by_the_check(tmp_path):
     path = write_tray(tmp_path, TRAY)
     assert "movie" in problem("check", path, "--set", 'output.write=["movie"]')
     assert "--picture" in problem("check", path, "--picture", "picture.xyz")
+    (tmp_path / "file").write_text("")
+    assert "it is a file" in problem("check", path, "--picture", tmp_path / "file" / "picture.png")
+
+
+def test_a_question_is_answered_in_the_job(tmp_path):
+    path = write_tray(tmp_path, TRAY)
+    text = problem("form", path, "--set", "process.gravity=9810")
+    assert "write 9.81 for 9810 mm/s^2" in text
+    assert "accept_unusual = true at the top of the job, or --set accept_unusual=true" in text
+    assert "--accept-unusual" not in text
 
 
 def test_a_strict_run_beyond_a_limit_ends_with_its_own_code(tmp_path):

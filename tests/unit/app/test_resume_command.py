@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tests.support.paths import ROOT
-from tests.support.processes import COARSE, environment, run, slow_run, summary, wait_for
+from tests.support.processes import COARSE, ENOUGH, environment, run, slow_run, summary, wait_for
 from weavesim.app.resume_command import resume_folder
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder
@@ -57,7 +57,7 @@ def test_the_command_goes_on(tmp_path, uninterrupted, number):
     process = slow_run(tmp_path, *OFTEN, "--speed", "0.02")
     wait_for(lambda: list(tmp_path.glob(f"{FOLDER_NAME}/0*.bin")))
     process.send_signal(number)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=ENOUGH)
     assert number == signal.SIGKILL or f"Go on with it: weavesim resume {tmp_path}" in out, err
     again = run(*COARSE, "--out", tmp_path)
     assert again.returncode == 2 and f"weavesim resume {tmp_path}" in again.stderr

@@ -4,11 +4,12 @@ import json
 import os
 import signal
 import subprocess
+import sys
 
 import pytest
 from pxr import Usd
 
-from tests.support.processes import COARSE, LIGHT, command, environment, run, slow_run, start, summary, wait_for
+from tests.support.processes import COARSE, ENOUGH, LIGHT, command, environment, run, slow_run, summary, wait_for
 
 SLOW = pytest.mark.slow
 SIGNALS = [
@@ -19,11 +20,40 @@ SIGNALS = [
 ONLY_SUMMARY = ("--write", "summary")
 
 
+# The picture frame, whose report says that it is being written, and waits until the test says "go".
+REPORTING = """
+import sys, time
+from pathlib import Path
+from weavesim.app import command_line
+from weavesim.output.writers.report import ReportWriter
+
+write = ReportWriter.write
+
+def told(self, results):
+    (self.folder / "reporting").touch()
+    while not (self.folder / "go").exists():
+        time.sleep(0.02)
+    write(self, results)
+
+ReportWriter.write = told
+command_line.main()
+"""
+
+
+def film_of(folder) -> Usd.Stage:
+    """As it is now: USD remembers a file that it has opened."""
+    stage = Usd.Stage.Open(str(folder / "picture_frame.usdc"))
+    stage.Reload()
+    return stage
+
+
+def rows_of(folder) -> list[str]:
+    return (folder / "history.csv").read_text().splitlines()[1:]
+
+
 def is_readable(folder) -> None:
     """Summary, history and film of a run tell of the same frames."""
-    numbers = summary(folder)
-    rows = (folder / "history.csv").read_text().splitlines()[1:]
-    stage = Usd.Stage.Open(str(folder / "picture_frame.usdc"))
+    numbers, rows, stage = summary(folder), rows_of(folder), film_of(folder)
     assert len(rows) == numbers["frame_count"] == stage.GetEndTimeCode() + 1 >= 2
     assert stage.GetRootLayer().customLayerData["weavesim"]["run_id"] == numbers["run_id"]
 
@@ -32,7 +62,7 @@ def is_readable(folder) -> None:
 def test_every_signal_ends_a_run_in_order(tmp_path, number):
     process = slow_run(tmp_path)
     process.send_signal(number)
-    out, err = process.communicate(timeout=20)
+    out, err = process.communicate(timeout=ENOUGH)
     assert process.returncode == 128 + number, err
     numbers = summary(tmp_path)
     assert (numbers["outcome"], numbers["interrupted_by"]) == ("interrupted", number.name)
@@ -47,30 +77,33 @@ def test_two_signals_at_once_lose_nothing(tmp_path):
     process = slow_run(tmp_path)
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=20)
+    process.communicate(timeout=ENOUGH)
     assert process.returncode == 130 and summary(tmp_path)["outcome"] == "interrupted"
     is_readable(tmp_path)
 
 
 def test_a_signal_while_results_are_written_loses_nothing(tmp_path):
-    """The report comes last: the signals are sent as soon as the summary tells the end."""
-    process = start(*COARSE, "--frame-count", "4", "--out", tmp_path)
-    wait_for(lambda: summary(tmp_path)["outcome"] == "finished")
+    """The report comes last, when the summary tells the end."""
+    words = [sys.executable, "-P", "-c", REPORTING, *COARSE, "--frame-count", "4", "--out", tmp_path]
+    process = subprocess.Popen(words, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    wait_for((tmp_path / "reporting").exists)
+    assert summary(tmp_path)["outcome"] == "finished"
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGTERM)
-    out, err = process.communicate(timeout=30)
+    (tmp_path / "go").touch()
+    out, err = process.communicate(timeout=ENOUGH)
     assert process.returncode == 130 and "Traceback" not in err
     assert (tmp_path / "report.html").exists() and summary(tmp_path)["missing"] == []
 
 
 def test_a_killed_run_leaves_what_can_be_read(tmp_path):
     process = slow_run(tmp_path)
+    # each writer saves at its own pace
+    wait_for(lambda: film_of(tmp_path).GetEndTimeCode() >= 1 and len(rows_of(tmp_path)) >= 2)
     process.kill()
     process.communicate()
     assert summary(tmp_path)["outcome"] == "running"
-    stage = Usd.Stage.Open(str(tmp_path / "picture_frame.usdc"))
-    assert stage.GetEndTimeCode() >= 1
-    assert len((tmp_path / "history.csv").read_text().splitlines()) >= 3
+    assert film_of(tmp_path).GetEndTimeCode() >= 1 and len(rows_of(tmp_path)) >= 2
     # the lock died with it, and the next run leaves nothing of it
     again = run(*COARSE, *ONLY_SUMMARY, "--frame-count", "2", "--out", tmp_path, "--overwrite")
     assert again.returncode == 0, again.stderr

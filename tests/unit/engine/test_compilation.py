@@ -6,15 +6,15 @@ import pickle
 import signal
 import subprocess
 import sys
-import time
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import warp as wp
 
-from tests.support.processes import COARSE, environment, start, wait_for
+from tests.support.processes import COARSE, ENOUGH, environment, start, wait_for
 from tests.support.runs import one_sheet_run
 from weavesim.app.command_line import SCENES, default_setups
 from weavesim.device import Precision
@@ -27,11 +27,18 @@ from weavesim.engine.compilation import (
     missing,
     side_by_side,
 )
+from weavesim.engine.model import Model
+from weavesim.engine.setup import Setup
+from weavesim.engine.state import State
+from weavesim.engine.stepper import Stepper
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear
+from weavesim.kernel_cache import LEFTOVER
 from weavesim.kernels.stepping.supports import support_motion_kernel
 from weavesim.process.dynamics import Dynamics
+from weavesim.run.ledger import Ledger
 from weavesim.run.simulation import Simulation
+from weavesim.run.staging.rehearsal import phases_of
 from weavesim.sheet.blank import Blank
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane, Sphere
@@ -43,28 +50,37 @@ SMALL = KernelSet(
 )
 
 
-def made(name: str, precision: str) -> list[Simulation]:
-    """The simulations of a scene's default set-up on its coarsest sensible mesh, on two threads."""
+def made(name: str, precision: str) -> list[Setup]:
+    """A scene's default set-ups on its coarsest sensible mesh, on two threads."""
     scene = SCENES[name].load()
     coarse = {"double-dome": {"mesh_size": 0.0075}, "hemisphere": {"mesh_size": 0.02, "case": "low-bending"}}
     parameters = scene.parameters(precision=precision, threads=2, **coarse.get(name, {}))
-    return [Simulation(setup) for setup in scene.setups(parameters).values()]
+    return list(scene.setups(parameters).values())
 
 
-def launched_by(simulation: Simulation) -> list[wp.Kernel]:
+def launched_by(stepper: Stepper, ledger: Ledger) -> list[wp.Kernel]:
     """All that a run launches once its tools are sampled."""
     own = []
-    for ledger in simulation.ledger.sheets:
-        gaps = (ledger._contact_gaps, ledger._judged_gaps, ledger._tool_forces, ledger._surface_fields)
-        own += [ledger._kernel, *(command.kernel for each in gaps for command in each.launches)]
-    return [*simulation.stepper.kernels, *own]
+    for each in ledger.sheets:
+        gaps = (each._contact_gaps, each._judged_gaps, each._tool_forces, each._surface_fields)
+        own += [each._kernel, *(command.kernel for one in gaps for command in one.launches)]
+    return [*stepper.kernels, *own]
+
+
+def launched_without_loading(setup: Setup, monkeypatch) -> list[wp.Kernel]:
+    """The same, of a run that is not prepared: nothing but small kernels of its tools is compiled."""
+    model = Model(phases_of(setup)[0].setup)
+    stepper = Stepper(model, State.initial(model), thread_counts=(setup.solver.threads,))
+    with monkeypatch.context() as patch:
+        patch.setattr(wp, "launch", lambda kernel, *_, **__: SimpleNamespace(kernel=kernel))
+        return launched_by(stepper, Ledger(stepper))
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_scene_launches_nothing_else(name, precision):
+def test_a_scene_launches_nothing_else(name, precision, monkeypatch):
     ahead = KernelSet.of_setups(default_setups([name], precision=precision)).kernels()
-    for simulation in made(name, precision):
-        launched = launched_by(simulation)
+    for setup in made(name, precision):
+        launched = launched_without_loading(setup, monkeypatch)
         assert len(launched) >= 9
         assert all(any(kernel is other for other in ahead) for kernel in launched)
 
@@ -104,7 +120,8 @@ RUNS = {
 def test_a_run_takes_all_of_its_set_and_nothing_else(name):
     simulation = small_run(**RUNS[name]())
     (kernel_set,) = simulation.stepper.kernel_sets
-    assert {id(kernel) for kernel in launched_by(simulation)} == {id(kernel) for kernel in kernel_set.kernels()}
+    launched = launched_by(simulation.stepper, simulation.ledger)
+    assert {id(kernel) for kernel in launched} == {id(kernel) for kernel in kernel_set.kernels()}
     assert pickle.loads(pickle.dumps(kernel_set)) == kernel_set
 
 
@@ -192,6 +209,16 @@ def is_alive(pid: int) -> bool:
         return False
 
 
+def forces(cache: Path) -> list[Path]:
+    """Folders of the forces of elements in a cache."""
+    return [path for path in cache.rglob("wp_element_force*") if path.is_dir()]
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Whether a compiler is at work in a folder, or has ended in the middle."""
+    return LEFTOVER.search(folder.name) is not None
+
+
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs /proc to find processes")
 @pytest.mark.parametrize(
     "number",
@@ -202,20 +229,19 @@ def is_alive(pid: int) -> bool:
     ids=["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"],
 )
 def test_compiler_processes_end_with_the_one_that_started_them(tmp_path, number):
-    """Also if only that one gets the signal, as from another program."""
-    process = start(*COARSE, "--out", tmp_path / "out", env=environment(WARP_CACHE_PATH=str(tmp_path / "cache")))
+    """Also if only that one gets the signal, as from another program; and in the middle of a kernel."""
+    cache = tmp_path / "cache"
+    process = start(*COARSE, "--out", tmp_path / "out", env=environment(WARP_CACHE_PATH=str(cache)))
     try:
-        # compilers, and the one that tracks their resources
-        wait_for(lambda: len(workers_of(process.pid)) >= 3)
+        # compilers, and the one that tracks their resources; the kernel that takes longest is the first
+        wait_for(lambda: len(workers_of(process.pid)) >= 3 and any(map(is_unfinished, forces(cache))))
         workers = workers_of(process.pid)
-        time.sleep(0.5)
         process.send_signal(number)
-        sent = time.monotonic()
-        out, err = process.communicate(timeout=20)
-        assert time.monotonic() - sent < 10.0
-        wait_for(lambda: not any(map(is_alive, workers)), 10.0)
+        out, err = process.communicate(timeout=ENOUGH)
+        wait_for(lambda: not any(map(is_alive, workers)))
     finally:
         process.kill()
+    assert all(map(is_unfinished, forces(cache)))
     assert "Traceback" not in err
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number)
     assert [path.name for path in (tmp_path / "out").iterdir()] == [".weavesim.lock"]

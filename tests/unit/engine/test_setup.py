@@ -177,7 +177,8 @@ def test_lanes_are_those_of_the_kernels():
 
 
 def test_a_setup_of_one_world_is_short():
-    sheets, tools = (Sheet(BLANK, glass_polypropylene()),), (Tool("table", Plane()),)
+    blank = Blank.rectangle((0.0, 0.0), (0.02, 0.03), 0.01)
+    sheets, tools = (Sheet(blank, glass_polypropylene()),), (Tool("table", Plane()),)
     short = Setup("run", sheets=sheets, tools=tools, symmetry=("y",), dynamics=Dynamics(damping=1.0), duration=1.0)
     world = World(sheets=sheets, tools=tools, symmetry=weavesim.Symmetry(("y",)), dynamics=Dynamics(damping=1.0))
     assert short == Setup("run", worlds=(world,), duration=1.0)

@@ -4,9 +4,20 @@ import re
 
 import pytest
 
-from weavesim.fabric import BendingCurve, Compaction, IsotropicBending, PlainWeave, YarnBending, glass_polypropylene
+from weavesim import InputError
+from weavesim.fabric import (
+    BendingCurve,
+    Compaction,
+    IsotropicBending,
+    LinearMembrane,
+    PlainWeave,
+    YarnBending,
+    glass_polypropylene,
+)
 from weavesim.fabric.presets import PRESETS
 from weavesim.ranges import unusual_values
+
+SOFT = glass_polypropylene().shear.locking_at_most(100.0)
 
 
 def sentences(**values):
@@ -35,10 +46,33 @@ def test_presets_fit_together(name):
         ({"unit_cell": PlainWeave.glass_polypropylene(crossover_height=5e-3)}, "times crossover_height"),
         ({"unit_cell": PlainWeave.glass_polypropylene(crossover_height=1e-6)}, "times crossover_height"),
         ({"unit_cell": PlainWeave.glass_polypropylene(weft_half_spacing=0.1e-3)}, "2 weft_half_spacing"),
+        (
+            {"unit_cell": PlainWeave.glass_polypropylene(weft_modulus=31.8e6), "shear": SOFT},
+            "warp is 1000 times as stiff",
+        ),
+        ({"unit_cell": PlainWeave.glass_polypropylene(warp_cross_section=1e-9), "shear": SOFT}, "weft is 1000 times"),
+        (
+            {"bending": YarnBending(warp=1e-3, weft=3e-6, twist=1e-5)},
+            "bending stiffness is 0.001 N m along the warp and",
+        ),
     ],
 )
 def test_values_that_hardly_fit_are_named(values, word):
     assert any(re.search(word, sentence) for sentence in sentences(**values))
+
+
+def test_a_stiffness_in_another_unit_is_named_where_it_lowers_a_limit():
+    with pytest.raises(
+        InputError, match="locking_stiffness .* but the yarn stiffness .* the weft is 1000 times as stiff"
+    ):
+        glass_polypropylene().model_copy(
+            update={"unit_cell": PlainWeave.glass_polypropylene(warp_modulus=31.8e6), "compaction": Compaction()}
+        )
+
+
+def test_a_membrane_of_one_direction_is_only_told(caplog):
+    cell = LinearMembrane(warp_stiffness=2e6, weft_stiffness=1.5e3)
+    assert not sentences(unit_cell=cell, shear=SOFT) and "the warp is 1333 times as stiff" in caplog.text
 
 
 def test_no_bending_and_no_height_are_allowed():

@@ -101,6 +101,43 @@ def test_a_broken_drawing_is_refused(tmp_path, add, options, message):
         read_drawing(path, **options)
 
 
+def test_what_is_off_or_frozen_is_no_outline(tmp_path):
+    def hidden(space, document):
+        rectangle(space, document)
+        for name, hide in (("frame", "off"), ("sheet", "freeze")):
+            getattr(document.layers.add(name), hide)()
+            space.add_lwpolyline(
+                [(-500, -500), (500, -500), (500, 500), (-500, 500)], close=True, dxfattribs={"layer": name}
+            )
+
+    path = drawing(tmp_path / "blank.dxf", hidden)
+    plain = read_drawing(drawing(tmp_path / "plain.dxf", rectangle))
+    loops = read_drawing(path)
+    assert np.allclose(loops.outline, plain.outline) and not loops.holes
+    assert "blank.dxf: 1 on layer frame left out: it is off or frozen; name it with layer to take it" in loops.notes
+    assert np.isclose(area(read_drawing(path, layer="frame").outline), 1.0)
+
+
+def test_what_is_drawn_twice_is_taken_once(tmp_path):
+    corners = [(-100, -80), (100, -80), (100, 80), (-100, 80)]
+
+    def twice(space, document):
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            space.add_line(a, b)
+            space.add_line(b, a)
+        space.add_circle((0, 0), 20)
+
+    def over(space, document):
+        space.add_lwpolyline(corners, close=True)
+        space.add_lwpolyline(corners[2:] + corners[:2], close=True)
+        space.add_hatch().paths.add_polyline_path(corners[::-1], is_closed=True)
+
+    for draw, holes, count in ((twice, 1, 4), (over, 0, 2)):
+        loops = read_drawing(drawing(tmp_path / "blank.dxf", draw))
+        assert np.isclose(area(loops.outline), 0.2 * 0.16) and len(loops.holes) == holes
+        assert f"{count} lines that are drawn twice left out" in loops.notes[-1]
+
+
 def test_what_is_no_drawing_is_refused(tmp_path):
     (tmp_path / "blank.dxf").write_bytes(b"\x00\x01nonsense" * 100)
     with pytest.raises(InputError, match="no DXF drawing that can be read"):
@@ -115,6 +152,14 @@ def test_plies_of_several_layers_come_from_one_drawing(tmp_path):
 def job_with(folder, outline, further=""):
     text = TRAY.replace('rectangle = ["200 mm", "160 mm"]', f'outline = "{outline}"\n{further}')
     return setup_of(read_job(write_tray(folder, text))).sheet.blank
+
+
+def test_a_drawing_in_another_unit_is_asked_about_before_it_is_meshed(tmp_path):
+    drawing(tmp_path / "blank.dxf", plate, unit=6)  # metres
+    with pytest.raises(InputError, match=r"a ply of 200 x 160 m has about 319,.* elements of 0.01 m: check the unit"):
+        job_with(tmp_path, "blank.dxf")
+    with pytest.raises(InputError, match="has about 3,200,000 elements of 0.0001 m"):
+        setup_of(read_job(write_tray(tmp_path), ["ply.mesh_size=0.1 mm"]))
 
 
 def elements_area(blank):

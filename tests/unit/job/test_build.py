@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scenes.double_dome import DoubleDomeParameters, double_dome
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, write_stl, write_tray
 from tests.support.paths import ROOT
 from weavesim import InputError
 from weavesim.job.build import Builder, setup_of
@@ -73,6 +73,14 @@ def test_a_file_may_have_another_direction_up(tmp_path, up, turn):
 def test_a_hollow_that_is_too_sharp_for_the_gap_is_refused_with_its_place(tmp_path):
     path = write_tray(tmp_path, TRAY.replace('gap = "1.2 mm"', 'gap = "12 mm"'))
     with pytest.raises(InputError, match=r"line 17, \[\[tool\]\] punch: tool die: its offset by 12 mm crosses itself"):
+        setup_of(read_job(path))
+
+
+def test_a_flat_die_has_no_opening_for_a_punch_beside_a_ring(tmp_path):
+    path = write_tray(tmp_path)
+    corners = np.array([[-130.0, -110, 0], [130, -110, 0], [130, 110, 0], [-130, 110, 0]])
+    write_stl(tmp_path / "die.stl", corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    with pytest.raises(InputError, match="punch: tool die has no opening: all of it is the flat rim"):
         setup_of(read_job(path))
 
 

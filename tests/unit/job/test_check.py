@@ -46,6 +46,18 @@ def test_the_error_of_the_distance_is_told_for_every_mesh(tray):
     assert all(0.0 <= usual <= largest < 1e-3 for usual, largest in checked.errors.values())
 
 
+def test_a_run_without_end_is_to_be_looked_at(tmp_path):
+    # a ply that lies on nothing: only the cost is asked for
+    text = (
+        '[[ply]]\nfabric = "glass-polypropylene"\nrectangle = ["40 mm", "40 mm"]\nmesh_size = "10 mm"\nheight = 0\n'
+        '[process]\nduration = "1 ms"\n[output]\nframe_count = 1000000000\n'
+    )
+    (tmp_path / "job.toml").write_text(text)
+    rows = check_setup(setup_of(read_job(tmp_path / "job.toml"))).rows
+    (row,) = [row for row in rows if row.what == "bounds"]
+    assert row.judgement == "look" and "of memory are free" in row.value
+
+
 def test_a_gap_that_does_not_suit_the_stack_is_told(tmp_path):
     tight = rows_of(tmp_path, ('gap = "1.2 mm"', 'gap = "1 mm"'))[1]["gaps", "die - punch"]
     assert (tight.judgement, "too tight" in tight.advice) == ("look", True)

@@ -113,6 +113,14 @@ def test_a_raised_tool_has_no_ring(tmp_path):
     Builder(read_job(tmp_path / "job.toml"))
 
 
+@pytest.mark.parametrize("rim", [12.0, 20.0, 60.0])
+def test_a_blank_on_a_raised_tool_ends_on_it_when_it_is_drawn_down(tmp_path, rim):
+    vertices, faces = tray_surface(rim=rim)
+    found = survey(write_stl(tmp_path / "die.stl", vertices * [1, 1, -1], faces))
+    sides, drawn_in = blank_sides(found), found.arc - (found.opening[1] - found.opening[0])
+    assert (sides > found.arc - 0.005).all() and (sides - drawn_in < found.size[:2]).all()
+
+
 @pytest.mark.parametrize("raised", [False, True])
 def test_the_stages_of_a_new_job_can_be_taken_as_they_are(tmp_path, raised):
     vertices, faces = tray_surface()

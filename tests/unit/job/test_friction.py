@@ -86,6 +86,7 @@ def test_a_ply_may_touch_itself_and_tools_are_met_between_nodes(tmp_path):
         ("friction = 0.3", 'friction = "slippery"', "[interface]: friction = 'slippery'"),
         ("friction = 0.3", 'friction = { kind = "PressureFriction", pressures = [1, 2], coefficients = [0.1] }', "[interface]: friction: PressureFriction: it has 2 pressures and 1 coefficients"),
         ("[process]", '[[interface.pair]]\nlower = "ply_1"\nupper = "ply_3"\n[process]', "no neighbours; there are ply_1 / ply_2, ply_2 / ply_3"),
+        ("[process]", '[[interface.pair]]\nlower = "ply_1"\nupper = "ply_2"\n' * 2 + "[process]", "this pair is given twice"),
         ("[process]", '[[interface.pair]]\nlower = "ply_1"\n[process]', "upper: is required"),
         ("[process]", '[process]\ncontact_samples = "between"', "contact_samples = 'between': one of 'nodes' or 'surface' is needed"),
         ('layup = "0/45/90"', "", "has no effect with a single ply that does not touch itself"),

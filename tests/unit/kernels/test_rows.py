@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 import warp as wp
 
-from weavesim.kernels import rows
+from weavesim.kernels import pass_entries, rows
 from weavesim.kernels.rows import CornerRow, MotionRow, Rows, SlipRow
 
 KERNELS = Path(rows.__file__).parent
 ARRAYS = Rows.__subclasses__()
+assert pass_entries.PassEntry in ARRAYS
 
 
 @pytest.mark.parametrize("array", ARRAYS)

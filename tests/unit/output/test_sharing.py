@@ -8,6 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 
+from tests.support.processes import wait_for
 from weavesim.output import sharing
 from weavesim.output.sharing import can_share, share
 
@@ -30,8 +31,18 @@ def pieces(folder, count, here=None, there=None):
     return found, [int((folder / f"{number}").read_text()) for number in range(count)]
 
 
+def after_the_copy(folder, work):
+    """Work that this process begins when the copy has done a piece: both have their share, however busy the machine."""
+
+    def here(number):
+        wait_for(lambda: any(folder.iterdir()))
+        work(number)
+
+    return here
+
+
 def test_every_piece_is_done_once_by_both(tmp_path):
-    found, workers = pieces(tmp_path, 12)
+    found, workers = pieces(tmp_path, 12, after_the_copy(tmp_path, lambda number: written(tmp_path, number)))
     assert len(set(workers)) == 2 and THIS in workers
     assert found == {number for number, worker in enumerate(workers) if worker != THIS}
     (copy,) = set(workers) - {THIS}
@@ -76,6 +87,8 @@ def test_an_error_here_leaves_no_copy(tmp_path):
 
 
 def test_the_copy_holds_no_file_and_no_lock(tmp_path):
+    copied = tmp_path / "copied"
+    copied.mkdir()
     with open(tmp_path / "lock", "w") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
 
@@ -83,11 +96,11 @@ def test_the_copy_holds_no_file_and_no_lock(tmp_path):
             time.sleep(0.02)
             held = os.readlink(f"/proc/self/fd/{file.fileno()}")
             # a number that objects of this process hold is not given to another file
-            with open(tmp_path / f"{number}", "w") as own:
+            with open(copied / f"{number}", "w") as own:
                 own.write(held if own.fileno() != file.fileno() else "taken")
 
-        found = share(8, lambda number: time.sleep(0.05), there)
-    assert found and {(tmp_path / f"{number}").read_text() for number in found} == {os.devnull}
+        found = share(8, after_the_copy(copied, lambda number: time.sleep(0.05)), there)
+    assert found and {(copied / f"{number}").read_text() for number in found} == {os.devnull}
 
 
 def test_without_room_for_a_copy_all_is_done_here(tmp_path, monkeypatch):
@@ -112,7 +125,8 @@ def test_many_open_files_do_not_matter(tmp_path):
         with ExitStack() as stack:
             for _ in range(1100):
                 stack.enter_context(open(os.devnull))
-            found, workers = pieces(tmp_path, 6)
+            here = after_the_copy(tmp_path, lambda number: written(tmp_path, number))
+            found, workers = pieces(tmp_path, 6, here)
         assert found and len(set(workers)) == 2
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))

@@ -170,3 +170,10 @@ def test_notes_say_how_meshes_were_read(tmp_path):
     assert "sheet.inp: 1 nodes left out: no element uses them" in notes
     assert "table.obj: 1 quadrilaterals split into 2 triangles" in notes
     assert "table.obj: 1 lines and 0 points left out: they bound no surface" in notes
+
+
+def test_what_has_not_been_run_is_not_trusted():
+    run = small_run()
+    assert run.verdict == "not run" and not run.trusted
+    run.run()
+    assert run.verdict == "trusted" and run.trusted

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.support.flat_blanks import FULL, HALF_IN_X, HALF_IN_Y, QUARTER, blank_of
+from weavesim import Dynamics, Sheet, World, YarnBending, glass_polypropylene
 from weavesim.errors import InputError
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import Symmetry, nodes_of_odd_angle, on_plane, shear_angle_parity
@@ -124,3 +125,45 @@ def test_directors_of_a_curved_part_stand_in_the_planes_that_cut_it():
     assert HALF_IN_X.upright(upright) is upright and FULL.upright(half) is half
     flat = blank_of(HALF_IN_X)
     assert HALF_IN_X.upright(flat) is flat
+
+
+WOVEN = glass_polypropylene()
+UNEQUAL = WOVEN.model_copy(update={"bending": YarnBending(warp=2e-3, weft=1e-3, twist=1e-4)})
+
+
+@pytest.mark.parametrize("plane", ["x", "y"])
+@pytest.mark.parametrize(
+    ("angle", "fabric", "good"),
+    [(0.0, UNEQUAL, True), (90.0, UNEQUAL, True), (180.0, UNEQUAL, True), (45.0, WOVEN, True), (-45.0, WOVEN, True),
+     (45.0, UNEQUAL, False), (30.0, WOVEN, False), (-1.0, WOVEN, False), (46.0, WOVEN, False), (91.0, WOVEN, False)],
+)  # fmt: skip
+def test_yarns_go_on_in_their_mirror_image_or_are_refused(plane, angle, fabric, good):
+    for orientation in (0.0, angle):  # of the blank, or of the sheet on it
+        blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.02, yarn_angle=angle - orientation)
+        sheet = Sheet(blank, fabric, orientation=orientation)
+        if good:
+            sheet.check_symmetry(Symmetry((plane,)))
+        else:
+            with pytest.raises(ValueError, match="a plane needs yarns along it or across it"):
+                sheet.check_symmetry(Symmetry((plane,)))
+
+
+def test_yarns_that_curve_need_to_be_right_at_the_plane():
+    blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.01)
+    around = np.column_stack([-blank.element_centres()[:, 1], blank.element_centres()[:, 0] + 1.0, np.zeros(100)])
+    around /= np.linalg.norm(around, axis=1, keepdims=True)
+    weft = np.cross([0.0, 0.0, 1.0], around)
+    curved = blank.model_copy(update={"warp_direction": around, "weft_direction": weft})
+    Sheet(curved, WOVEN).check_symmetry(Symmetry(("y",)))
+    leaning = around.copy()
+    leaning[np.argmin(blank.element_centres()[:, 1])] = (np.cos(1.2), np.sin(1.2), 0.0)
+    there = {"warp_direction": leaning, "weft_direction": np.cross([0.0, 0.0, 1.0], leaning)}
+    with pytest.raises(ValueError, match="a plane needs yarns along it or across it"):
+        Sheet(curved.model_copy(update=there), WOVEN).check_symmetry(Symmetry(("y",)))
+
+
+def test_gravity_acts_within_a_plane_of_symmetry():
+    sheet = Sheet(Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.02), WOVEN)
+    World([sheet], symmetry=("x",), dynamics=Dynamics(gravity=(0.0, 1.0, -9.81)))
+    with pytest.raises(InputError, match="it pulls across the plane of symmetry x = 0"):
+        World([sheet], symmetry=("x",), dynamics=Dynamics(gravity=(1.0, 0.0, -9.81)))

@@ -32,6 +32,22 @@ def test_one_set_up_has_one_key_however_it_is_written(subject):
     assert subject.case(STIFFNESS, Trial((1.5,))).key != one.key
 
 
+@pytest.mark.parametrize(
+    ("settings", "other", "message"),
+    [
+        (("spring.corner.stiffness=900",), None, "spring.corner.stiffness is varied, and set for all runs"),
+        (("spring.corner.stiffness=1.0 N/mm",), None, "spring.corner.stiffness is varied, and set for all runs"),
+        (("springs.corner.stiffness=900",), None, "is varied, and set for all runs, as springs.corner.stiffness too"),
+        ((), "spring.stiffness", "spring.stiffness is varied twice, as spring.corner.stiffness too"),
+    ],
+)
+def test_a_value_is_given_in_one_place(subject, settings, other, message):
+    more = () if other is None else (factor_of(VaryTable(key=other, range=(500.0, 2000.0))),)
+    given = replace(subject, settings=settings)
+    with pytest.raises(InputError, match=message):
+        given.case((*STIFFNESS, *more), Trial((1.0, 700.0)[: 1 + len(more)]))
+
+
 def test_other_limits_are_other_measures_of_the_same_set_up(subject):
     strict = replace(subject, limits=subject.limits.model_copy(update={"wrinkle_amplitude": 1.0e-4}))
     one, other = (each.case(STIFFNESS, Trial((1.0,))) for each in (subject, strict))

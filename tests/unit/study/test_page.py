@@ -11,6 +11,9 @@ from weavesim.study.record import write_study
 from weavesim.study.schema import MeasureTable, NoiseTable, VaryTable
 from weavesim.study.subject import FunctionSubject
 
+# How many charts are there to be seen.
+DRAWN = "document.querySelectorAll('.js-plotly-plot:has(.main-svg)').length"
+
 
 @pytest.fixture(scope="module")
 def factorial(tmp_path_factory):
@@ -61,7 +64,7 @@ def test_the_page_in_a_browser(factorial, optimised, browser, tmp_path):
         write_page(path, results, best="best/report.html")
         with browser.open(path) as opened:
             page = opened.page
-            page.wait_for_selector(".plotly .main-svg", state="attached")
+            page.wait_for_function(f"{DRAWN} === {count}")
             assert page.locator("figure").count() == page.locator(".js-plotly-plot").count() == count
             assert page.locator("figure .plotly .main-svg").first.bounding_box()["height"] > 300
             rows = page.locator("#points tbody tr")
@@ -122,9 +125,9 @@ def test_the_page_fits_narrow_screens_and_paper(factorial, browser, tmp_path, wi
     write_page(path, factorial)
     with browser.open(path, width=width) as opened:
         page = opened.page
-        page.wait_for_selector(".plotly .main-svg", state="attached")
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
         charts = page.locator(".plotly-graph-div")
+        page.wait_for_function(f"{DRAWN} === {charts.count()}")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert all(charts.nth(k).bounding_box()["width"] >= 640 for k in range(charts.count()))
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
         drawn = "[...document.querySelectorAll('.plotly .main-svg')]"

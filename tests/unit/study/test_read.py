@@ -57,6 +57,8 @@ def test_a_study_file_is_read(read):
         ("job.toml", "other.toml", "there is no such file"),
         ("job.toml", "../job.toml", "leads out"),
         ("[[measure]]", "[measure]", r"write \[\[measure\]\]"),
+        ("[noise]", "[[measure]]\nname = 'b'\nat_most = 1\nat_least = 2\n[noise]", "no run can be good; exchange them"),
+        ("[noise]", "[[measure]]\nname = 'b'\n[[measure]]\nname = 'b'\n[noise]", "b is given twice; give each once"),
         ("repeats = 3", "repeats = 1", r"\[noise\]: repeats = 1"),
         ("[noise]", "[[vary]]\nkey = 'tools.ring.force'\nrange = [1, 2]\n[noise]", "another parameter has this name"),
     ],

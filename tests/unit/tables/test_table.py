@@ -127,10 +127,10 @@ def test_rows_are_bounded(tmp_path, monkeypatch):
     ids=["lines", "long line", "quotes", "digits", "brackets", "names", "headers", "comments"],
 )  # fmt: skip
 def test_absurd_files_end_in_time(tmp_path, content):
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(InputError):
         read(tmp_path / "absurd.csv", content, Wanted("force", "N"))
-    assert time.perf_counter() - start < 20.0
+    assert time.process_time() - start < 20.0
 
 
 def mutated(content: str, chance: random.Random) -> str:
@@ -162,7 +162,7 @@ def test_mutated_tables_give_finite_numbers_or_a_message(tmp_path, seed):
     contents = ["angle,force\n" + rows(","), "angle;force\n" + rows(";", ","), MACHINE, TAB_MACHINE]
     wanted = [("angle", "force")] * 3 + [("Scherwinkel", "Standardkraft")]
     has_other_numbers = re.compile("[0-9.,][eEdD]|converted")
-    start = time.perf_counter()
+    start = time.process_time()
     for _ in range(150):
         which = chance.randrange(len(contents))
         content = mutated(contents[which], chance)
@@ -180,4 +180,4 @@ def test_mutated_tables_give_finite_numbers_or_a_message(tmp_path, seed):
             for number in numbers:
                 mantissa = re.sub("[^0-9]", "", f"{abs(number):.9e}".split("e")[0]).rstrip("0")
                 assert mantissa in digits or has_other_numbers.search(lines[line - 1] + str(columns.notes))
-    assert time.perf_counter() - start < 30.0
+    assert time.process_time() - start < 30.0

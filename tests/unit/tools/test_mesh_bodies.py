@@ -226,12 +226,13 @@ def crossing_tube(turns, count=240, radius=0.004):
 @pytest.mark.parametrize("turns", [(1, 2), (2, 3)])
 def test_a_body_that_crosses_itself_is_solid_where_it_does(turns, inverted):
     path, (vertices, faces) = crossing_tube(turns)
-    surface = MeshSurface(vertices, faces[:, ::-1] if inverted else faces)
+    shape = MeshShape.from_triangles(vertices, faces[:, ::-1] if inverted else faces)
+    surface = shape.surface
     points = np.random.default_rng(7).uniform(-1.0, 1.0, (3000, 3)) * (0.06, 0.06, 0.006)
     points = np.concatenate([points, np.random.default_rng(8).uniform(-1.0, 1.0, (500, 3)) * 0.005])
     expected = np.min(np.linalg.norm(points[:, None] - path[None], axis=2), axis=1) - 0.004
     clear = np.abs(expected) > 4e-4
     np.testing.assert_array_equal((exact_distance(surface, points) < 0.0)[clear], (expected < 0.0)[clear])
-    value = Tool("tube", MeshShape.from_triangles(vertices, faces)).distance(points)[0]
+    value = Tool("tube", shape).distance(points)[0]
     clear &= np.abs(expected) > 8e-4
     np.testing.assert_array_equal((value < 0.0)[clear], (expected < 0.0)[clear])

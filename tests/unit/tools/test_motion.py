@@ -58,7 +58,7 @@ def run(tools, step: float, step_count: int, reaction=(0.0, 0.0, 0.0), stiffness
     displacement, velocity = [], []
     for _ in range(step_count):
         wp.launch(
-            tool_motion_kernel(wp.float64),
+            tool_motion_kernel(wp.float64, device.waits),
             dim=1,
             inputs=[device.drives, reactions],
             outputs=[clock, *state],

@@ -1,5 +1,7 @@
 """Sampled distances where samples alone would fail: thin walls, wedges, far origins, strays; and their error."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import trimesh
@@ -16,6 +18,11 @@ from weavesim.tools.tool import Tool
 
 def shape(mesh, **options):
     return MeshShape.from_triangles(*mesh, **options)
+
+
+@cache
+def clean_ball():
+    return shape(ball())
 
 
 def distance(mesh_shape, points):
@@ -131,7 +138,7 @@ def test_a_stray_vertex_changes_nothing(kind):
         "of a flat triangle": [[n - 2, n - 2, n - 1]],
     }
     faces = np.concatenate([faces, np.array(further[kind], dtype=int).reshape(-1, 3)])
-    stray, clean = shape((vertices, faces)), shape(ball())
+    stray, clean = shape((vertices, faces)), clean_ball()
     assert sampled_distance(stray.surface).spacing == pytest.approx(sampled_distance(clean.surface).spacing, rel=1e-9)
     points = np.random.default_rng(5).uniform(-0.04, 0.04, (500, 3))
     np.testing.assert_allclose(distance(stray, points)[0], distance(clean, points)[0], atol=1e-7)
@@ -139,15 +146,15 @@ def test_a_stray_vertex_changes_nothing(kind):
 
 @pytest.mark.parametrize("away", [0.5, 3.0])
 def test_a_far_fleck_is_told_and_spoils_nothing(away):
-    mesh = together(ball(), box((0.001, 0.001, 0.001), (away, 0.0, away)))
-    surface = shape(mesh).surface
+    flecked = shape(together(ball(), box((0.001, 0.001, 0.001), (away, 0.0, away))))
+    surface = flecked.surface
     assert "12 triangles, 1.73 mm across, lie far from the rest" in " ".join(surface.notes())
     direction = np.random.default_rng(6).normal(size=(500, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    value = distance(shape(mesh), 0.031 * direction)[0]
+    value = distance(flecked, 0.031 * direction)[0]
     np.testing.assert_allclose(value, 0.001, atol=4e-4)
     assert sampled_distance(surface).usual_error < 2e-5
-    assert distance(shape(mesh), np.array([[away, 0.0, away]]))[0][0] == pytest.approx(-0.0005, abs=1e-6)
+    assert distance(flecked, np.array([[away, 0.0, away]]))[0][0] == pytest.approx(-0.0005, abs=1e-6)
 
 
 # --- the error beside the thickness of the sheet ----------------------------------------------------------------------

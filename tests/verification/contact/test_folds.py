@@ -6,7 +6,7 @@ import pytest
 from tests.support.folded_strips import bent_strip
 from tests.support.stacked_plies import FABRIC, THICKNESS
 from weavesim import Drive, Dynamics, Observer, SelfContact, Setup, Sheet, Simulation, Solver, Support, Tool
-from weavesim.kernels.rows import PassEntry
+from weavesim.kernels.pass_entries import PassEntry
 from weavesim.process import Coulomb
 from weavesim.process.strokes import Fixed, Stroke
 from weavesim.run.watch.crossing_record import CrossingRecord

@@ -56,6 +56,19 @@ def test_two_free_plies_collide(manual):
                [[error, abs(last["balance_error"]) / last["supplied"]]])  # fmt: skip
 
 
+@pytest.mark.parametrize("ratio", [0.3, 1.0])
+def test_what_dashpots_take_from_plies_that_part_is_booked(ratio):
+    """Equal meshes on each other: a bounce of single springs, which dashpots hold back at its end."""
+    sheets = [
+        ply("lower", square(0.02, 0.01), (0.0, 0.0, 1.0)),
+        ply("upper", square(0.02, 0.01, THICKNESS + 1e-4), (0.0, 0.0, -1.0)),
+    ]
+    run = run_stack(sheets, Coulomb(0.0), duration=3e-4, dynamics={"contact_damping_ratio": ratio})
+    last = run.history[-1]
+    assert last["ply_damping_loss"] > 0.3 * last["supplied"] and last["ply_contact"] == 0.0
+    assert abs(last["balance_error"]) < 0.006 * last["supplied"]
+
+
 @pytest.mark.parametrize(("size", "angle"), [(0.01, 0.0), (0.01 / 1.7, 30.0)])
 def test_without_friction_both_momenta_are_kept(size, angle, manual):
     sheets = [
@@ -116,7 +129,7 @@ def test_friction_stops_a_ply(precision, manual):
     half = time < 0.8 * rest
     slope, start = np.polyfit(time[half], np.sqrt(moving[half]), 1)
     assert -start / slope == pytest.approx(rest, rel=0.01)
-    assert abs(last["balance_error"]) < 1e-3 * last["supplied"]
+    assert abs(last["balance_error"]) < 0.006 * last["supplied"]
     if precision == "float64":
         case = manual(
             "Contact", "Friction stops a ply",

@@ -11,7 +11,7 @@ import typer
 from ...errors import InputError
 from ..session import announced, interruptible
 from ..terminal import say
-from .arguments import FilesFrom, JobPath, Settings
+from .arguments import FilesFrom, JobPath, Settings, asked_of_a_job
 
 if TYPE_CHECKING:
     from ...engine.setup import Setup
@@ -32,6 +32,7 @@ def check_command(
     """Say what can be known of a job before it runs: radii, gaps, speeds, time and memory; and draw it."""
     from ...job.check import LOOK, check_setup, table_of
     from ...job.read import read_job
+    from ...output.files import check_writable
     from ...output.pictures.before import before_run
     from ...output.pictures.style import write_picture
     from ...output.writer import chosen_writers
@@ -40,8 +41,9 @@ def check_command(
     file = read_job(job, set_ or (), files_from or ())
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
         raise InputError(f"--picture {picture}: a file that ends in {' or '.join(SUFFIXES)} is needed")
+    check_writable((picture or job).parent)
     chosen_writers(file.job.output.write, file.job.output.without or ())
-    with interruptible(), announced():
+    with interruptible(), announced(), asked_of_a_job():
         for case, setup in setups_of(file).items():
             name = "_".join(filter(None, (job.stem, "check", case)))
             path = picture or job.with_name(f"{name}.png")

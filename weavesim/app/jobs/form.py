@@ -15,7 +15,7 @@ from ...errors import InputError
 from ..ending import ExitCode, closing_lines, exit_code
 from ..session import announce_compilation, announced, interruptible
 from ..terminal import say
-from .arguments import FilesFrom, JobPath, Overwrite, Settings
+from .arguments import FilesFrom, JobPath, Overwrite, Settings, asked_of_a_job
 
 if TYPE_CHECKING:
     from ...job.read import JobFile
@@ -56,6 +56,7 @@ def form_command(
         interruptible() as interrupted,
         side_by_side(partial(announce_compilation, file.job.name)),
         announced(),
+        asked_of_a_job(),
     ):
         result = run_job(file, folder, overwrite=overwrite, limits=limits)
         number = interrupted.signal

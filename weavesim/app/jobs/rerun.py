@@ -79,7 +79,8 @@ def differences(record: dict[str, Any]) -> list[str]:
     ]
     commit = record.get("commit")
     if commit and commit != (here := source_commit()):
-        found.append(f"Note: it was made by commit {commit[:12]}, here is {here[:12] if here else 'another copy'}")
+        then, now = (f"{each[:12]}{each[40:]}" if each else "another copy" for each in (commit, here))
+        found.append(f"Note: it was made by commit {then}, here is {now}")
     if record.get("processor_features") != cpu_features():
         found.append("Note: the processor is of another kind, on which compiled kernels may round differently")
     return found

@@ -82,9 +82,20 @@ def _with_run(run: StoredRun, folder: Path) -> list[_Found]:
     other = read_results(folder)
     if len(other.sheets) != len(run.sheets):
         raise InputError(f"compare: {run.folder} has {len(run.sheets)} sheets, {folder} has {len(other.sheets)}")
-    pairs = zip(run.sheets, other.sheets, strict=True)
+    pairs = paired(run, other)
     found = (compare_sheets(own, each, f"{folder.name or folder} {each.name}") for own, each in pairs)
     return [(each.numbers(), partial(_write, write_comparison, each)) for each in found]
+
+
+def paired(run: StoredRun, other: StoredRun) -> list[tuple[StoredSheet, StoredSheet]]:
+    """Sheets of two runs with as many each, by their names; by their places, which is told, where these differ."""
+    names, theirs = ([sheet.name for sheet in each.sheets] for each in (run, other))
+    if set(names) == set(theirs):
+        return [(own, other.sheets[theirs.index(own.name)]) for own in run.sheets]
+    for own, each in zip(names, theirs, strict=True):
+        if own != each:
+            say(f"note: {own} is compared with {each}, by their places in the runs")
+    return list(zip(run.sheets, other.sheets, strict=True))
 
 
 def _with_points(sheets: Sequence[StoredSheet], path: Path, scale: float | None) -> list[_Found]:

@@ -11,6 +11,8 @@ from ...kernels.plies.search import NEAR
 # Facets around each point that are tried, by their middles.
 CANDIDATE_COUNT = 9
 ITERATIONS = 12
+# Corners of the edges along each coordinate, where the other one is -1 and 1.
+EDGES_ALONG_XI, EDGES_ALONG_ETA = ((0, 1), (3, 2)), ((0, 3), (1, 2))
 
 
 @dataclass(frozen=True)
@@ -79,24 +81,42 @@ def _solve(points: np.ndarray, corner: np.ndarray, director: np.ndarray) -> np.n
     g = np.einsum("ni,ni->n", points - corner.mean(axis=1), director.mean(axis=1))
     for _ in range(ITERATIONS):
         weight, by_xi, by_eta = weights(xi, eta)
-        n = np.einsum("nc,nci->ni", weight, director)
+        n, n1, n2, _ = _normals(xi, eta, corner, director)
         rest = np.einsum("nc,nci->ni", weight, corner) + g[:, None] * n - points
-        column1 = np.einsum("nc,nci->ni", by_xi, corner + g[:, None, None] * director)
-        column2 = np.einsum("nc,nci->ni", by_eta, corner + g[:, None, None] * director)
+        column1 = np.einsum("nc,nci->ni", by_xi, corner) + g[:, None] * n1
+        column2 = np.einsum("nc,nci->ni", by_eta, corner) + g[:, None] * n2
         matrix = np.stack([column1, column2, n], axis=-1)
         singular = np.abs(np.linalg.det(matrix)) < 1.0e-30
         matrix[singular], rest[singular] = np.eye(3), 0.0
         change = np.linalg.solve(matrix, rest[..., None])[..., 0]
         xi, eta = np.clip(xi - change[:, 0], -2.0, 2.0), np.clip(eta - change[:, 1], -2.0, 2.0)
         g = g - change[:, 2]
-    weight, by_xi, by_eta = weights(xi, eta)
-    length = np.linalg.norm(np.einsum("nc,nci->ni", weight, director), axis=1)
-    bow1 = np.einsum("nc,nci,nd,ndi->n", by_xi, corner, by_xi, director)
-    bow2 = np.einsum("nc,nci,nd,ndi->n", by_eta, corner, by_eta, director)
-    sagitta = 0.5 * ((1.0 - xi**2) * bow1 + (1.0 - eta**2) * bow2) / length
-    rest = np.einsum("nc,nci->ni", weight, corner) + g[:, None] * np.einsum("nc,nci->ni", weight, director) - points
+    n, _, _, sagitta = _normals(xi, eta, corner, director)
+    length = np.linalg.norm(n, axis=1)
+    rest = np.einsum("nc,nci->ni", weights(xi, eta)[0], corner) + g[:, None] * n - points
     size = np.linalg.norm(corner[:, 2] - corner[:, 0], axis=1)
-    return np.stack([xi, eta, g * length - sagitta, np.linalg.norm(rest, axis=1) / size])
+    return np.stack([xi, eta, g * length - sagitta / length, np.linalg.norm(rest, axis=1) / size])
+
+
+def _normals(
+    xi: np.ndarray, eta: np.ndarray, corner: np.ndarray, director: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Normals (n, 3) as in kernels/plies/facet.py, about their derivatives by xi and eta, and the sagitta (n,) [m]."""
+    weight, by_xi, by_eta = weights(xi, eta)
+    n, sagitta = np.einsum("nc,nci->ni", weight, director), np.zeros_like(xi)
+    derivatives = []
+    # the corners before and after along each coordinate, on both edges
+    for own, other, by, edges in ((xi, eta, by_xi, EDGES_ALONG_XI), (eta, xi, by_eta, EDGES_ALONG_ETA)):
+        along, leaning = np.einsum("nc,nci->ni", by, corner), 0.0
+        for (first, second), side in zip(edges, (-1.0, 1.0), strict=True):
+            half, mean = 0.5 * (corner[:, second] - corner[:, first]), 0.5 * (director[:, first] + director[:, second])
+            leaning = leaning + 0.5 * (1.0 + side * other) * np.einsum("ni,ni->n", half, mean)
+        bend = -1.5 * (leaning / np.square(along).sum(axis=1))[:, None] * along
+        change = np.einsum("nc,nci->ni", by, director)
+        n = n + (1.0 - own**2)[:, None] * bend
+        derivatives.append(change - 2.0 * own[:, None] * bend)
+        sagitta = sagitta + 0.5 * (1.0 - own**2) * (np.einsum("ni,ni->n", along, change) + own * leaning)
+    return n, *derivatives, sagitta
 
 
 def weights(xi: np.ndarray, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -73,7 +73,9 @@ def groups_that_hang_together(
     next_to = ((of_second @ of_second.T) > 0).astype(np.int32)
     reached = ((of_first @ of_second.T) > 0).astype(np.int32)
     size = max(float(np.median(other_high - other_low)), 1e-12)
-    for _ in range(min(4, int(np.ceil(distance / size)))):
+    # a thin group may lie between
+    steps = min(4, int(np.ceil(distance / size))) + 1 if distance > 0.0 else 0
+    for _ in range(steps):
         reached = ((reached @ next_to) > 0).astype(np.int32)
     whole = ~np.array([cut[column[column >= 0]].any() for column in first.T])
     other_whole = ~np.array([cut[column[column >= 0]].any() for column in second.T])

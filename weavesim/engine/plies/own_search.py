@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import warp as wp
 
+from ...kernels.plies.collect import group_speed_kernel, settle_own_search_kernel
 from ...kernels.plies.own_search import (
     SLOT_COUNT,
     bound_groups_kernel,
@@ -17,10 +19,15 @@ from ...kernels.plies.own_search import (
 )
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
+from .pass_launches import group_count
 from .pass_model import PassModel
 
 # Groups hang together up to this much of the distance at which nodes are followed: for what moves between updates.
 SPARE_REACH = 1.5
+# Two normals turn against each other by at most this over the shortest edge of the flat sheet, for every metre that
+# both faces move: an edge of half that length turns by twice a node's way over its length, a normal between edges at 30
+# degrees by four times that, and by half as much more as the weights of its elements change.
+TURNING_OF_EDGES = 24.0
 
 
 class OwnSearch:
@@ -30,15 +37,19 @@ class OwnSearch:
         model: of one of the passes of the sheet on itself.
         motion: of its nodes, in one state.
         normals: of its nodes.
-        entry: of that pass.
+        entries: PassEntry of all of these passes.
+        awake: int32 of that state: whether contact needs normals.
 
     Attributes:
         node_group_count, facet_group_count: groups that are compared.
         found: nearest facets, for the passes.
     """
 
-    def __init__(self, model: PassModel, motion: wp.array, normals: wp.array, entry: wp.array) -> None:
-        self._sheet, self._real, self._device, self._entry = model.slave, model.real, model.device, entry
+    def __init__(
+        self, model: PassModel, motion: wp.array, normals: wp.array, entries: Sequence[wp.array], awake: wp.array
+    ) -> None:
+        self._sheet, self._real, self._device = model.slave, model.real, model.device
+        self._entries, self._awake = entries, awake
         blank = self._sheet.blank
         flat = blank.material_coordinates
         nodes, facets = compact_groups(flat), compact_groups(flat[blank.quads].mean(axis=1))
@@ -49,7 +60,9 @@ class OwnSearch:
         hanging = groups_that_hang_together(nodes, facet_nodes, flat, reach, cut)
         self._points = self._sheet_points(model, motion, normals, hanging)
         self.node_group_count, self.facet_group_count = nodes.shape[1], facets.shape[1]
-        self.found = self._make_found()
+        self.found = self._make_found(self.node_group_count)
+        count = group_count(self.node_group_count)
+        self._largest = [wp.zeros(count, dtype=self._real, device=self._device) for _ in range(2)]
 
     def _sheet_points(self, model: PassModel, motion: wp.array, normals: wp.array, touching: np.ndarray) -> Any:
         sheet, points = self._sheet, sheet_points_struct(self._real)()
@@ -58,6 +71,9 @@ class OwnSearch:
         points.normal_entry = self._integers(normal_layout(sheet).entry(0, node))
         points.facets = model.facets(motion, normals)
         points.touching = self._integers(touching)
+        corners = sheet.blank.material_coordinates[sheet.blank.quads]
+        shortest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()
+        points.turning = float(shortest) / TURNING_OF_EDGES
         points.thickness, points.skin, points.farthest = model.thickness, model.skin, max(1.1, model.farthest)
         points.squared_exclusion, points.squared_edge_distance = model.squared_exclusion, model.squared_edge_distance
         return points
@@ -70,11 +86,13 @@ class OwnSearch:
         bounds.spread = wp.zeros(count, dtype=self._real, device=self._device)
         return bounds
 
-    def _make_found(self) -> Any:
+    def _make_found(self, node_group_count: int) -> Any:
         found, shape = found_struct(self._real)(), (int(SLOT_COUNT), self._sheet.node_count)
         found.facet = wp.full(shape, -1, dtype=wp.int32, device=self._device)
         for name in ("height", "xi", "eta"):
             setattr(found, name, wp.zeros(shape, dtype=self._real, device=self._device))
+        for name in ("urgency", "far_urgency"):
+            setattr(found, name, wp.zeros(node_group_count, dtype=self._real, device=self._device))
         return found
 
     def _integers(self, values: np.ndarray) -> wp.array:
@@ -84,7 +102,7 @@ class OwnSearch:
         """Boxes of groups of nodes and of facets, (first, count) each."""
         for (first, count), bounds in ((nodes, self._nodes), (facets, self._facets)):
             if count:
-                inputs = [first, self._points, bounds]
+                inputs = [first, self._points, self._entries[0], bounds]
                 wp.launch(bound_groups_kernel(self._real), dim=count, inputs=inputs, device=self._device)
 
     def seek(self, first: int, count: int) -> None:
@@ -93,7 +111,19 @@ class OwnSearch:
             wp.launch(
                 seek_own_facets_kernel(self._real),
                 dim=count,
-                inputs=[first, self._points, self._nodes, self._facets, self._entry],
+                inputs=[first, self._points, self._nodes, self._facets, self._entries[0]],
                 outputs=[self.found],
                 device=self._device,
             )
+
+    def settle(self) -> None:
+        """How far the sheet may move before it is searched again, and which passes have something to do."""
+        for values, largest in zip((self.found.urgency, self.found.far_urgency), self._largest, strict=True):
+            wp.launch(
+                group_speed_kernel(self._real), dim=len(largest), inputs=[values], outputs=[largest],
+                device=self._device,
+            )  # fmt: skip
+        wp.launch(
+            settle_own_search_kernel(self._real), dim=1, inputs=self._largest, outputs=[*self._entries, self._awake],
+            device=self._device,
+        )  # fmt: skip

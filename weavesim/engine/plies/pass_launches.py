@@ -27,7 +27,6 @@ from ...kernels.plies.search import (
     seek_feet_kernel,
     watch_struct,
 )
-from ...kernels.stepping.step import fold_works_kernel
 from ..layout import lanes_view
 from ..state import State
 from .pass_model import NEVER, PassModel
@@ -69,7 +68,7 @@ class PassLaunches:
         record.facet, record.standing = lanes_view(own.facet, self._lanes), lanes_view(own.standing, self._lanes)
         record.rows = self.model.rows.view(own.rows)
         record.works, record.total = lanes_view(own.works, self._lanes), lanes_view(total, self._lanes)
-        record.way, record.last_step = own.way, own.last_step
+        record.way, record.last_step, record.entry = own.way, own.last_step, own.entry
         return record
 
     def _make_reaction(self) -> Any:
@@ -157,11 +156,8 @@ class PassLaunches:
         """Feet, and blocks to be watched; the works of the last steps are added to their sums."""
         self._launch(
             seek_feet_kernel(self._real, self._lanes), count,
-            [first, self._facets, self._search, self._motion], [self._record, self._watch],
+            [first, self._facets, self._search, self._motion], [self._record, self._watch, self._own.works_sum],
         )  # fmt: skip
-        self._launch(
-            fold_works_kernel(self._real, self._lanes), count, [first], [self._record.works, self._own.works_sum]
-        )
 
     def collect(self) -> None:
         """Nodes that have just found a foot, and whether the lists are made anew."""

@@ -8,8 +8,9 @@ from typing import Self
 import numpy as np
 import warp as wp
 
+from ...kernels.pass_entries import PassEntry
 from ...kernels.plies.data import NO_DEPTH, TOO_MANY
-from ...kernels.rows import PassEntry, PlyRow, PlyWorkRow
+from ...kernels.rows import PlyRow, PlyWorkRow
 from .feet import Feet
 from .pass_model import NEVER, PassModel
 
@@ -62,7 +63,7 @@ class PassState:
             return wp.array(np.ascontiguousarray(values), dtype=wp.int32, device=device)
 
         entry = np.zeros(PassEntry.row_count())
-        entry[PassEntry.watched] = 1.0
+        entry[[PassEntry.watched, PassEntry.followed, PassEntry.busy]] = 1.0
         return cls(
             facet=integers(facet),
             standing=integers(np.full(node_count, -1)),

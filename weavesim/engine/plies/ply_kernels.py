@@ -11,13 +11,18 @@ from ...kernels.plies.collect import (
     group_speed_kernel,
     list_nodes_kernel,
     list_strays_kernel,
+    settle_own_search_kernel,
     sum_up_kernel,
     survey_groups_kernel,
 )
 from ...kernels.plies.mirror import meet_mirror_kernel, watch_mirror_kernel
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.normals import surface_normals_kernel
-from ...kernels.plies.own_search import bound_groups_kernel, follow_own_facets_kernel, seek_own_facets_kernel
+from ...kernels.plies.own_search import (
+    bound_groups_kernel,
+    follow_own_facets_kernel,
+    seek_own_facets_kernel,
+)
 from ...kernels.plies.reaction import push_facets_kernel
 from ...kernels.plies.search import (
     bound_facets_kernel,
@@ -54,6 +59,7 @@ def own_contact_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         seek_own_facets_kernel(real),
         follow_own_facets_kernel(real, lane_count),
         bound_groups_kernel(real),
+        settle_own_search_kernel(real),
     ]
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import warp as wp
 
 from ...kernels.plies.collect import group_speed_kernel
+from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
@@ -52,11 +53,17 @@ class PlyLaunches:
         ]
         self._own = {
             each.place.slave: OwnSearch(
-                each, state.sheets[each.place.slave].motion, normals[each.place.slave], state.passes[index].entry
+                each,
+                state.sheets[each.place.slave].motion,
+                normals[each.place.slave],
+                [own.entry for own in state.passes[index : index + int(SLOT_COUNT)]],
+                state.sheets[each.place.slave].awake,
             )
             for index, each in enumerate(model.passes)
             if each.place.slot == 0
         }
+
+        self._mirrored = {each.place.slave for each in model.passes if each.place.plane}
 
     def __bool__(self) -> bool:
         return bool(self._passes)
@@ -79,7 +86,7 @@ class PlyLaunches:
                 each.push(first, count)
 
     def watch_speeds(self, thread_count: int = 1, thread: int = 0) -> None:
-        """Largest speeds of this thread's share of the nodes, and normals for the search within sheets."""
+        """Largest speeds of this thread's share of the nodes."""
         for index in self._touched:
             sheet, own = self._model.sheets[index], self._state.sheets[index]
             first, count = chunks(sheet.block_count, thread_count)[thread]
@@ -90,8 +97,6 @@ class PlyLaunches:
                 outputs=[self._speeds[index]],
                 device=sheet.device,
             )
-            if index in self._own:
-                self._normals[index].launch(first, count, always=True)
 
     def _find_group_speeds(self, index: int) -> None:
         sheet, largest = self._model.sheets[index], self._group_speeds[index]
@@ -107,15 +112,14 @@ class PlyLaunches:
                 self._find_group_speeds(index)
             for each in self._passes:
                 each.plan()
-        for own in self._own.values():
-            groups = own.node_group_count, own.facet_group_count
-            own.bound(*(chunks(count, thread_count)[thread] for count in groups))
         yield
         for each in self._passes:
             each.bound(*chunks(each.facet_group_count, thread_count)[thread])
-        for own in self._own.values():
-            own.seek(*chunks(own.node_group_count, thread_count)[thread])
+        for index in self._own:
+            count = self._model.sheets[index].block_count
+            self._normals[index].launch(*chunks(count, thread_count)[thread], always=index in self._mirrored)
         yield
+        yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:
             if each.model.is_own:
                 found = self._own[each.model.place.slave].found
@@ -132,6 +136,21 @@ class PlyLaunches:
         for each in self._passes:
             facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
             each.adopt(facets[thread], nodes[thread])
+        yield
+
+    def _search_within_sheets(self, thread_count: int, thread: int) -> Iterator[None]:
+        if not self._own:
+            return
+        for own in self._own.values():
+            groups = own.node_group_count, own.facet_group_count
+            own.bound(*(chunks(count, thread_count)[thread] for count in groups))
+        yield
+        for own in self._own.values():
+            own.seek(*chunks(own.node_group_count, thread_count)[thread])
+        yield
+        if thread == 0:
+            for own in self._own.values():
+                own.settle()
         yield
 
     @property

@@ -81,6 +81,7 @@ def _loops(name: str, pieces: Sequence[np.ndarray], notes: list[str]) -> Loops:
         raise InputError(f"{name}: it has no lines")
     size = float(np.ptp(np.concatenate(pieces), axis=0).max())
     closed, opened = [], []
+    pieces, again = _each_once(pieces, JOINED * size)
     for line in joined(pieces, JOINED * size):
         if len(line) > 3 and np.linalg.norm(line[0] - line[-1]) <= JOINED * size:
             closed.append(_without_straight(line[:-1]))
@@ -95,6 +96,11 @@ def _loops(name: str, pieces: Sequence[np.ndarray], notes: list[str]) -> Loops:
             f"at ({x:.4g}, {y:.4g}) mm"
         )
     closed.sort(key=lambda loop: -abs(_area(loop)))
+    single = [loop for k, loop in enumerate(closed) if not k or not _same(loop, closed[k - 1], 10.0 * JOINED * size)]
+    again += len(closed) - len(single)
+    closed = single
+    if again:
+        notes = [*notes, f"{name}: {again} lines that are drawn twice left out"]
     outline, *holes = closed
     for loop in holes:
         if not _inside(loop, outline).all():
@@ -108,6 +114,25 @@ def _loops(name: str, pieces: Sequence[np.ndarray], notes: list[str]) -> Loops:
             x, y = 1e3 * line[0]
             raise InputError(f"{name}: an open line at ({x:.4g}, {y:.4g}) mm leads out of the outline")
     return Loops(outline, tuple(holes), tuple(opened), tuple(notes))
+
+
+def _each_once(pieces: Sequence[np.ndarray], tolerance: float) -> tuple[list[np.ndarray], int]:
+    """Pieces (k, 2) without those that are drawn again, in either sense, and how many these are."""
+    found: dict[bytes, np.ndarray] = {}
+    for piece in pieces:
+        ways = (np.round(way / (10.0 * tolerance)).astype(np.int64).tobytes() for way in (piece, piece[::-1]))
+        found.setdefault(min(ways), piece)
+    return list(found.values()), len(pieces) - len(found)
+
+
+def _same(loop: np.ndarray, other: np.ndarray, tolerance: float) -> bool:
+    """Whether two closed lines (k, 2) have the same corners, wherever they begin."""
+    if abs(abs(_area(loop)) - abs(_area(other))) > tolerance * float(np.ptp(loop, axis=0).sum()):
+        return False
+    apart = np.linalg.norm(loop[:, None] - other[None], axis=2) if len(loop) * len(other) < 1e7 else None
+    if apart is None:
+        return bool(np.allclose(loop.mean(axis=0), other.mean(axis=0), atol=tolerance))
+    return bool(apart.min(axis=0).max() <= tolerance and apart.min(axis=1).max() <= tolerance)
 
 
 def _without_straight(loop: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from ...fabric.fabric import Fabric
 from ...fabric.file import fabric_of_table, load_fabric, resolve_fabric
 from ...meshes import read_mesh
 from ...meshes.mesh_file import TRIANGLE
+from ...ranges import ACCEPTING
 from ...sheet.blank import Blank
 from ...sheet.fitted_mesh import fitted_mesh
 from ...sheet.lay_up_code import angles_of
@@ -25,6 +26,8 @@ from .outlines import Loops, border_of, read_drawing
 
 # Corners of a polygon that stands for a disc.
 DISC_CORNERS = 360
+# More elements take minutes to make, and days to form.
+LARGEST_USUAL_COUNT = 1.0e6
 
 
 def plies_of(file: JobFile) -> tuple[tuple[int, PlyTable], ...]:
@@ -161,9 +164,23 @@ def blank_of(file: JobFile, index: int, ply: PlyTable, outline: PlyOutline, heig
         InputError: an outline that cannot be meshed.
     """
     try:
+        if outline.mesh is None and not file.job.accept_unusual:
+            _check_count(outline.loops.outline, ply.mesh_size)
         return _blank(ply, outline, height)
     except InputError as error:
         file.refuse(["ply", index, next(name for name in OUTLINES if getattr(ply, name) is not None)], error)
+
+
+def _check_count(corners: np.ndarray, mesh_size: float) -> None:
+    """Ask about a mesh without end before it is made."""
+    x, y = corners.T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    if area > LARGEST_USUAL_COUNT * mesh_size**2:
+        width, length = np.ptp(corners, axis=0)
+        raise InputError(
+            f"a ply of {width:.4g} x {length:.4g} m has about {area / mesh_size**2:,.0f} elements of {mesh_size:g} m: "
+            f"check the unit of the outline, or take larger elements. {ACCEPTING}"
+        )
 
 
 def _blank(ply: PlyTable, outline: PlyOutline, height: float) -> Blank:

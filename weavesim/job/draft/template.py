@@ -64,9 +64,10 @@ def blank_sides(found: Survey) -> np.ndarray:
     margin = float(np.clip(MARGIN_SHARE * found.arc.max(), LEAST_MARGIN, MOST_MARGIN))
     wanted = found.arc + 2.0 * margin
     room = 2.0 * np.minimum(found.upper[:2] - found.centre, found.centre - found.lower[:2]) - 2.0 * WITHIN_RIM
-    if not found.is_female:  # it lies on the top and is drawn down: no rim is in the way
-        return _steps(wanted, 0.005)
-    return _steps(np.minimum(wanted, np.maximum(room, found.opening[1] - found.opening[0])), 0.005)
+    opening = found.opening[1] - found.opening[0]
+    if not found.is_female:  # it lies on the top, and its edges come in to the rim as it is drawn down
+        return _steps(np.maximum(np.minimum(wanted, room + found.arc - opening), found.arc), 0.005)
+    return _steps(np.minimum(wanted, np.maximum(room, opening)), 0.005)
 
 
 def mesh_size_for(sides: np.ndarray, radius: float) -> float:
@@ -157,11 +158,12 @@ def _punch(found: Survey, choices: Choices, gap: float, speed: float) -> str:
     else:
         head = _comment("The punch, drawn closed: it starts above the sheet and goes to where it is drawn.")
         surface = f'file = {_text(choices.punch)}\nunit = "{found.unit}"\nup = "{found.up}"\nfaces = "down"\n'
+    where = "the opening" if found.is_female else "what is raised"
     force = rounded_down(max(PRESS_PRESSURE * float(np.prod(found.opening[1] - found.opening[0])), 1.0))
     return (
         f'{head}[[tool]]\nname = "punch"\n{surface}start = "touching"\nclearance = "1 mm"\nstroke = "close"\n'
         f'speed = "{speed:g} m/s"  # suggested for this fabric\n'
-        f'largest_force = "{force:g} N"  # of the press, 1 MPa on the opening: a stroke too far waits there\n'
+        f'largest_force = "{force:g} N"  # of the press, 1 MPa on {where}: a stroke too far waits there\n'
     )
 
 

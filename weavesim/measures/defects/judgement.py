@@ -5,13 +5,14 @@ A shear angle alone predicts no wrinkle: what counts is how far the sheet deviat
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from ...checks import NotNegative, Parameters, Positive
 from ...ranges import Quantity
@@ -56,6 +57,15 @@ class Limits(Parameters):
     least_area: Annotated[NotNegative, Quantity("gap")] = Field(
         default=0.0, description="side of a square; smaller regions are left out [m]"
     )
+
+    @field_validator("locking_angle")
+    @classmethod
+    def _is_in_degrees(cls, value: float | None) -> float | None:
+        if value is not None and value <= 0.5 * math.pi:
+            raise ValueError(f"more than 1.6 degrees is needed: write {math.degrees(value):.4g} for {value:g} rad")
+        if value is not None and value > 90.0:
+            raise ValueError("at most 90 degrees, where the yarns lie on each other, is allowed")
+        return value
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,8 @@ def _cards(source: Source) -> Iterator[tuple[int, str, list[bytes]]]:
         if not text:
             continue
         name, fields = _fields(text)
+        if name == "GRID" and b"," not in text:
+            _check_widths(source, line, text)
         if name == "ENDDATA":
             break
         if name in ("", "+"):
@@ -151,6 +153,21 @@ def _cards(source: Source) -> Iterator[tuple[int, str, list[bytes]]]:
         card = (line, name, fields)
     if card is not None:
         yield card
+
+
+def _check_widths(source: Source, line: int, text: bytes) -> None:
+    """Refuse a coordinate that goes on in the next field, where its last digits would be a coordinate of their own."""
+    text = text.expandtabs(8)
+    size, ends = (16, (3,)) if b"*" in text[:8] else (8, (3, 4, 5))
+    for k in ends:
+        begin = 8 + k * size
+        rest = text[begin : begin + size].split(b" ")[0]
+        # what follows z may be the system of the displacements; 0 would be no digit that is missed
+        if rest and text[begin - 1 : begin].strip() and b"." not in rest and (k != ends[-1] or rest != b"0"):
+            raise source.error(
+                f"line {line}: a coordinate is wider than its field of {size} characters",
+                "write commas between the fields, or fields of 16 characters (GRID*)",
+            )
 
 
 def _fields(text: bytes) -> tuple[str, list[bytes]]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, did_you_mean
 from ...input_files import shown
-from ...tables.table import Wanted, read_table
+from ...tables.table import Table, Wanted, read_table
 from ..export.nearest import nearest
 from ..files import write_summary
 from ..stored.file import StoredSheet
@@ -77,10 +77,28 @@ def read_points(path: str | Path, *, metres_per_unit: float | None = None) -> Me
     for key in FIELDS:
         for column in dict.fromkeys((_plain(key), key)):
             if table.has(column):
-                columns = table.columns(Wanted(column, UNITS.get(key, "")))
+                columns = table.columns(Wanted(column, UNITS.get(key, ""), needs_unit=key in UNITS))
                 values[key], told = columns.values[0], [*told, *columns.notes]
                 break
+    unused = _unused(table, "flat_x" if space is None else "x", values)
+    if space is None and not values:
+        raise InputError(
+            f"{name}: nothing was measured at its points: beside flat_x and flat_y, columns x, y, z or any of "
+            f"{', '.join(_plain(key) for key in FIELDS)} are needed{unused}"
+        )
+    if unused:
+        told.append(unused.removeprefix("; "))
     return MeasuredPoints(name, space, flat, values, tuple(dict.fromkeys(told)))
+
+
+def _unused(table: Table, place: str, values: Mapping[str, np.ndarray]) -> str:
+    """What columns stand beside those that are compared, in the header of the column ``place``."""
+    taken = {"flat_x", "flat_y", "x", "y", "z", *values, *(_plain(key) for key in values)}
+    names = [name for name in table.names_beside(place) if name not in taken]
+    if not names:
+        return ""
+    hint = did_you_mean(names[0], [_plain(key) for key in FIELDS])
+    return f"; not compared: {', '.join(map(shown, names[:12]))}{hint}"
 
 
 def _plain(key: str) -> str:
@@ -135,11 +153,13 @@ def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointCompariso
     """
     blank, quads = sheet.blank, sheet.blank.quads
     mirrors = ["xy".index(plane) for plane in sheet.symmetry.planes]
+    # the side of each plane on which the sheet lies
+    side = np.where(blank.material_coordinates.mean(axis=0) < 0.0, -1.0, 1.0)[mirrors]
     flat = None if points.flat is None else points.flat.copy()
     space = None if points.space is None else points.space.copy()
     for places in (flat, space):
         if places is not None:
-            places[:, mirrors] = np.abs(places[:, mirrors])
+            places[:, mirrors] = side * np.abs(places[:, mirrors])
     _check_size(points, flat, blank.material_coordinates)
     _check_size(points, space, sheet.position)
     distance = None

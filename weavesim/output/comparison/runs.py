@@ -121,8 +121,57 @@ def compare_scan(sheet: StoredSheet, path: str | Path, unit_scale: float | None)
             f"scan {Path(path).name}: it is {ratio:.3g} times as large as the sheet {sheet.name}; check its unit "
             f"(--unit mm), {scale:g} m was taken"
         )
-    points, _ = nearest(corners, sheet.position)
-    return Comparison(sheet, f"scan {Path(path).name}", np.linalg.norm(points - sheet.position, axis=1))
+    points, which = nearest(corners, sheet.position)
+    distance = np.linalg.norm(points - sheet.position, axis=1)
+    size = float(np.linalg.norm(np.ptp(sheet.position, axis=0)))
+    if distance.min() > 0.5 * size:
+        raise InputError(
+            f"scan {Path(path).name}: it is {1e3 * distance.min():.4g} mm away from the sheet {sheet.name}, which is "
+            f"{1e3 * size:.4g} mm across; move it to the place of the tools, and check its unit ({scale:g} m was taken)"
+        )
+    reach = 0.25 * float(np.sqrt(flat_areas(sheet.blank).mean()))
+    distance[beside_border(corners, points, which, sheet.position, reach)] = np.nan
+    return Comparison(sheet, f"scan {Path(path).name}", distance)
+
+
+def beside_border(
+    corners: np.ndarray, feet: np.ndarray, which: np.ndarray, points: np.ndarray, reach: float
+) -> np.ndarray:
+    """Whether a surface ends before it comes to lie over or under points, (k,) bool.
+
+    Their nearest points of the surface are then on its border, and off the foot of the perpendicular.
+
+    Args:
+        corners: of the triangles of the surface, (n, 3, 3) [m].
+        feet: nearest points of the surface, (k, 3) [m].
+        which: triangles that they lie in, (k,).
+        points: (k, 3) [m].
+        reach: how far beside the border a point still counts as over it [m].
+    """
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    off, up = points - feet, normal[which]
+    beside = np.linalg.norm(off - np.einsum("ki,ki->k", off, up)[:, None] * up, axis=1)
+    (doubtful,) = np.nonzero(beside > reach)
+    found = np.zeros(len(points), dtype=bool)
+    start, end = _open_edges(corners) if len(doubtful) else (corners[:0, 0],) * 2
+    if len(start):
+        near, _ = nearest(np.stack([start, end, end], axis=1), feet[doubtful])
+        found[doubtful] = np.linalg.norm(near - feet[doubtful], axis=1) < 1e-3 * reach
+    return found
+
+
+def _open_edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the edges that belong to one triangle only, (m, 3) each [m]; corners at the same place are one."""
+    size = float(np.ptp(corners, axis=(0, 1)).max())
+    places = np.round(corners.reshape(-1, 3) / (1e-7 * max(size, 1e-300))).astype(np.int64)
+    _, first, number = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    faces = number.reshape(-1, 3)
+    edges = np.sort(np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    pairs, count = np.unique(edges, axis=0, return_counts=True)
+    vertices = corners.reshape(-1, 3)[first]
+    single = pairs[(count == 1) & (pairs[:, 0] != pairs[:, 1])]
+    return vertices[single[:, 0]], vertices[single[:, 1]]
 
 
 def interpolated(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:

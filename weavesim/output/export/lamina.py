@@ -11,10 +11,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ...checks import Parameters, Positive
-from ...documents import read_document
-from ...errors import InputError
-from ...input_files import shown
-from ...ranges import Quantity
+from ...ranges import Quantity, read_parameters
 
 
 class Lamina(Parameters):
@@ -46,12 +43,9 @@ class Lamina(Parameters):
         """From a TOML or JSON file with these names.
 
         Raises:
-            InputError: a file that cannot be read, or bad values.
+            InputError: a file that cannot be read, or values that are not allowed or not usual.
         """
-        try:
-            return cls(**read_document(path, "lamina file").values)
-        except TypeError as error:
-            raise InputError(f"lamina file {shown(path)}: {error}") from None
+        return read_parameters(cls, path, "lamina file")
 
 
 # E-glass (73 GPa) in polypropylene (1.5 GPa), 35 % fibres: rule of mixtures along the fibres, Halpin-Tsai across them.

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...documents import read_document
 from ...measures.defects.judgement import Distance, Judgement, Limits, Region
+from ...ranges import read_parameters
 from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
@@ -32,9 +32,9 @@ def read_limits(path: Path | None) -> Limits:
     """Limits of a TOML or JSON file, or those that are built in.
 
     Raises:
-        InputError: a file that cannot be read, or bad limits.
+        InputError: a file that cannot be read, or limits that are not allowed or not usual.
     """
-    return Limits() if path is None else Limits(**read_document(path, "file of limits").values)
+    return Limits() if path is None else read_parameters(Limits, path, "file of limits")
 
 
 @dataclass(frozen=True, eq=False)

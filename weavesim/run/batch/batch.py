@@ -71,6 +71,10 @@ def run_batch(
     stop_levels(stop_on)
     if not 1 <= watch_count <= LARGEST_WATCH_COUNT:
         raise InputError(f"watch_count = {watch_count}: 1 to {LARGEST_WATCH_COUNT} are allowed")
+    setups = tuple(setups)
+    for index, setup in enumerate(setups):
+        if not isinstance(setup, Setup):
+            raise InputError(f"run_batch: entry {index} is a {type(setup).__name__}; values of Setup are needed")
     setups = tuple(setups if device is None else (_with_solver(setup, device=device) for setup in setups))
     on_cpu = {name: resolve_device(name).is_cpu for name in {setup.solver.device for setup in setups}}
     thread_count = resolve_thread_counts(threads)[-1]

@@ -263,7 +263,7 @@ def read_job(folder: str | Path) -> tuple[Job, Content]:
     path = job_path(folder)
     try:
         return Job.read(path)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise InputError(f"folder {folder}: there is nothing to resume in it; a run that has finished keeps no "
                          "checkpoint, and one that was killed at its very start has none yet") from None  # fmt: skip
     except (OSError, DamageError) as error:

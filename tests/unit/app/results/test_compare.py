@@ -1,8 +1,11 @@
 """``weavesim compare``, in the words that a user sees."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
+
+from weavesim.app.results.compare import paired
 
 
 @pytest.fixture
@@ -35,3 +38,18 @@ def test_measured_points(compare_command, folder, tmp_path):
     assert code == 2 and "sheet 'upper'" in err
     code, _, err = compare_command(folder, tmp_path / "points.csv", "--unit", "mm", "--unit-scale", 1)
     assert code == 2 and "both are given" in err
+
+
+@pytest.mark.parametrize(
+    ("theirs", "expected", "note"),
+    [
+        ("ba", [("a", "a"), ("b", "b")], ""),
+        ("xb", [("a", "x"), ("b", "b")], "note: a is compared with x, by their places"),
+    ],
+)
+def test_sheets_of_two_runs_are_paired_by_name(theirs, expected, note, capsys):
+    def run(names):
+        return SimpleNamespace(folder="run", sheets=tuple(SimpleNamespace(name=name) for name in names))
+
+    assert [(own.name, each.name) for own, each in paired(run("ab"), run(theirs))] == expected
+    assert capsys.readouterr().out.startswith(note) and bool(note) == (theirs == "xb")

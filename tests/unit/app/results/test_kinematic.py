@@ -39,8 +39,10 @@ def test_a_net_on_the_punch_of_a_job(kinematic_command, tmp_path):
     assert "on punch: net up to" in out
     assert "% of ply; it ends" in out and "- where there is no more surface, first at x = " in out
     assert {file.name for file in (tmp_path / "net").iterdir()} == {f"kinematic.{e}" for e in ("json", "vtu", "png")}
-    code, out, _ = kinematic_command(job, "--tool", "punch", "--side", 0.5, "--out", tmp_path / "net")
+    code, out, _ = kinematic_command(job, "--tool", "punch", "--side", 0.08, "--out", tmp_path / "net")
     assert code == 0 and "no cell of the net is whole" in out
+    code, _, err = kinematic_command(job, "--tool", "punch", "--side", 0.5, "--out", tmp_path / "net")
+    assert code == 2 and "at most 0.08 m, half the width of the blank" in err
     code, _, err = kinematic_command(job, "--tool", "punch", "--side", 1e-9, "--out", tmp_path / "net")
     assert code == 2 and "crossings, more than 1,000,000; give at least" in err
     code, _, err = kinematic_command(job, "--tool", "hammer")

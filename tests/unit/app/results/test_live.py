@@ -28,7 +28,7 @@ def served(tmp_path):
 
 
 def answer(address, **headers):
-    with urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=10) as given:
+    with urllib.request.urlopen(urllib.request.Request(address, headers=headers), timeout=300) as given:
         return given.read().decode()
 
 
@@ -53,7 +53,8 @@ def test_progress_has_stroke_forces_of_the_whole_part_and_time_left(tmp_path, co
     assert json.loads((tmp_path / "progress.json").read_text())["state"] == "interrupted"
 
 
-def test_progress_is_not_written_for_every_frame(tmp_path, coarse_run):
+def test_progress_is_not_written_for_every_frame(tmp_path, coarse_run, monkeypatch):
+    monkeypatch.setattr("weavesim.output.run_page.progress.time.monotonic", lambda: 100.0)
     info, frames = coarse_run
     record = ProgressRecord(tmp_path, info)
     record.start()

@@ -14,7 +14,7 @@ from weavesim.output.stored.judged import read_limits
 def strict_limits(tmp_path):
     """A file with a limit that nothing keeps."""
     path = tmp_path / "limits.toml"
-    path.write_text("locking_angle = 1e-300\n")
+    path.write_text("locking_angle = 1.7\n")
     return path
 
 
@@ -31,6 +31,29 @@ def test_a_bad_file_of_limits_is_told(run_command, folder, tmp_path):
     assert code == ExitCode.INPUT_ERROR and "wrinkle_hight" in told[1]
     with pytest.raises(InputError, match="cannot be read"):
         read_limits(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("locking_angle = 0.8", "write 45.84 for 0.8 rad"),
+        ("locking_angle = 95", "at most 90 degrees"),
+        ("bridging_gap = 0.05", "bridging_gap = 0.05 m: usual are 0 to 0.02 m"),
+        ("wrinkle_amplitude = 1", "write 0.001 for 1 mm"),
+    ],
+)
+def test_limits_in_another_unit_are_refused(tmp_path, text, message):
+    (tmp_path / "limits.toml").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_limits(tmp_path / "limits.toml")
+
+
+def test_unusual_limits_are_taken_where_the_file_says_so(tmp_path):
+    (tmp_path / "limits.toml").write_text("bridging_gap = 0.05")
+    with pytest.raises(InputError, match="write accept_unusual = true in it"):
+        read_limits(tmp_path / "limits.toml")
+    (tmp_path / "limits.toml").write_text("accept_unusual = true\nbridging_gap = 0.05")
+    assert read_limits(tmp_path / "limits.toml").bridging_gap == 0.05
 
 
 def test_strict_is_the_worst_of_all_cases(folder):

@@ -5,6 +5,7 @@ import pytest
 import warp as wp
 
 from weavesim.engine.plies.pass_launches import group_count
+from weavesim.kernels.pass_entries import PassEntry
 from weavesim.kernels.plies.collect import (
     count_strays_kernel,
     group_speed_kernel,
@@ -14,7 +15,6 @@ from weavesim.kernels.plies.collect import (
     survey_struct,
 )
 from weavesim.kernels.plies.search import search_struct, watch_struct
-from weavesim.kernels.rows import PassEntry
 
 REAL, SKIN = wp.float64, 0.5
 

@@ -69,6 +69,16 @@ def test_all_shells_are_read(tmp_path, content, ending):
     assert mesh.node_labels.tolist() == list(range(101, 182))
 
 
+def test_fields_may_be_full_and_tabs_may_lead_to_them(tmp_path):
+    cards = ["GRID    1               -12.3456-98.76541.2345-3", "GRID\t2\t\t-12.345\t0.5\t2.0", "GRID,3,,1.,0.,0."]
+    mesh = read(tmp_path, "\n".join([*cards, "CTRIA3,1,1,1,2,3"]))
+    assert mesh.vertices.tolist() == [[-12.3456, -98.7654, 1.2345e-3], [-12.345, 0.5, 2.0], [1.0, 0.0, 0.0]]
+    # a full z, and after it the system of the displacements, which is the basic one
+    cards[0] = "GRID    1       0       0.0     0.0     -12.34560"
+    mesh = read(tmp_path, "\n".join([*cards, "CTRIA3,1,1,1,2,3"]))
+    assert mesh.vertices[0].tolist() == [0.0, 0.0, -12.3456]
+
+
 def test_what_meshio_writes(tmp_path):
     path = tmp_path / "die.bdf"
     cells = [("quad", QUADS[:32]), ("triangle", split(QUADS[32:])), ("line", np.array([[0, 1]]))]
@@ -107,6 +117,14 @@ def test_shells_of_second_order(tmp_path):
         ),
         (free().replace("$ by hand", "GRID,900,,0.5,1.5,0.2,0.1"), "line 4: the numbers of GRID"),
         (free().replace("$ by hand", "GRID,x,,1.,5.,5."), "line 4: the numbers of GRID"),
+        (
+            free().replace("$ by hand", "GRID\t900\t\t-12.34567\t1.0\t2.0"),
+            "line 4: a coordinate is wider than its field of 8",
+        ),
+        (
+            free().replace("$ by hand", "GRID    900             1.0     2.0     12.345678"),
+            "line 4: a coordinate is wider than",
+        ),
         (free().replace("$ by hand", "grid points: see below"), "line 4 is no card of bulk data"),
         ("BEGIN BULK\n+,1,2\n", "line 2 continues a card that was not begun"),
         ("BEGIN BULK\nGRID,1,,0.,0.,0.\nCBAR,1,1,1,2\nENDDATA\n", "no CTRIA3 or CQUAD4"),

@@ -1,3 +1,4 @@
+# ruff: noqa: E501
 """Measured points: known differences in space and on the flat blank; tables that cannot be compared are refused."""
 
 import json
@@ -73,6 +74,23 @@ def test_points_beyond_a_plane_of_symmetry_are_mirrored(tmp_path):
     assert compare_points(half, read_points(path)).numbers()["shear_angle_deg"]["largest_absolute"] < 1e-6
 
 
+def test_a_half_may_lie_on_either_side_of_its_plane(tmp_path):
+    blank = Blank.rectangle((-0.1, -0.05), (0.0, 0.05), 0.005)
+    x, y = blank.material_coordinates.T
+    angle = 20.0 - 100.0 * blank.element_centres()[:, 0]
+    half = stored_sheet(blank, np.column_stack([0.8 * x, y, 0.6 * x]), shear_angle_deg=angle, symmetry=Symmetry(("x",)))
+    rows = [(0.05, 0.0, 25.0, 0.04, 0.0, -0.03), (-0.05, 0.0, 25.0, -0.04, 0.0, -0.03)]
+    path = table(tmp_path / "m.csv", "flat_x [m],flat_y [m],shear_angle [deg],x [m],y [m],z [m]", rows)
+    numbers = compare_points(half, read_points(path)).numbers()
+    assert numbers["shear_angle_deg"]["compared_share"] == 1.0
+    assert numbers["shear_angle_deg"]["largest_absolute"] < 1e-6 and numbers["distance_mm"]["largest_absolute"] < 1e-6
+
+
+def test_columns_that_are_not_compared_are_told(tmp_path):
+    path = table(tmp_path / "m.csv", "flat_x [mm],flat_y [mm],shear_angle [deg],shear angel 2", [(1, 2, 3, 4)])
+    assert "not compared: shear_angel_2; did you mean 'shear_angle'?" in read_points(path).notes
+
+
 def test_points_beside_the_sheet_do_not_count(tmp_path):
     path = table(tmp_path / "m.csv", "flat_x [m],flat_y [m],shear_angle [deg]", [(0.05, 0.0, 25.0), (0.5, 0.0, 25.0)])
     entry = compare_points(bent(), read_points(path)).numbers()["shear_angle_deg"]
@@ -92,9 +110,20 @@ def test_points_beside_the_sheet_do_not_count(tmp_path):
             [(50, 2, 3), (60, 2, 3)],
             "reaches 60 m from the origin, the sheet 0.08 m: give the unit",
         ),
-        ("flat_x [m],flat_y [m]", [(0.9, 0.9), (0.8, 0.8)], "none of its points lies on the flat blank of sheet"),
+        (
+            "flat_x [m],flat_y [m],warp_stretch",
+            [(0.9, 0.9, 1), (0.8, 0.8, 1)],
+            "none of its points lies on the flat blank of sheet",
+        ),
         ("x [mm],y [mm],z [mm],shear_angle [mm]", [(1, 2, 3, 4)], "cannot be converted to degrees"),
         ("x [mm],y [mm],z [mm]", [], "no rows below the header"),
+        (
+            "flat_x [mm],flat_y [mm],shear_angel [deg]",
+            [(1, 2, 3)],
+            "nothing was measured .* not compared: shear_angel; did you mean 'shear_angle'",
+        ),
+        ("flat_x [mm],flat_y [mm],thickness", [(1, 2, 1.2)], "column 'thickness' does not say its unit"),
+        ("flat_x [mm],flat_y [mm],shear_angle", [(1, 2, 3)], "column 'shear_angle' does not say its unit"),
         ("x [mm],y [mm],z [mm],x [mm]", [(1, 2, 3, 4)], "column x occurs twice"),
     ],
 )

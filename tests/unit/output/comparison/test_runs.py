@@ -61,6 +61,36 @@ def test_a_scan_is_compared_by_its_nearest_point(tmp_path):
     assert [file.suffix for file in write_comparison(tmp_path, found)] == [".json", ".csv", ".png"]
 
 
+@pytest.mark.parametrize("half", [0, 1])
+def test_a_scan_of_a_part_of_the_sheet_is_compared_there(tmp_path, half):
+    blank = Blank.rectangle((-0.05, -0.05), (0.05, 0.05), 0.005)
+    sheet = stored_sheet(blank, blank.node_position)
+    x = np.array([[-60, 1], [-1, 60]])[half]
+    corners = [[x[0], -60, 3], [x[1], -60, 3], [x[1], 60, 3], [x[0], 60, 3]]
+    trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]]).export(tmp_path / "scan.stl")
+    found = compare_scan(sheet, tmp_path / "scan.stl", 1e-3).numbers()["distance_mm"]
+    assert found["compared_share"] == pytest.approx(11 / 21)
+    assert found["largest_absolute"] == pytest.approx(3.0, rel=1e-5)
+
+
+def test_the_border_of_a_scan_of_the_sheet_itself_counts(tmp_path):
+    sheet = bent(0.01)
+    quads = sheet.blank.quads
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    trimesh.Trimesh(1e3 * sheet.position + [0, 0, 2.0], triangles, process=False).export(tmp_path / "scan.stl")
+    found = compare_scan(sheet, tmp_path / "scan.stl", 1e-3).numbers()["distance_mm"]
+    assert found["compared_share"] == 1.0 and found["largest_absolute"] <= 2.0 + 1e-4
+
+
+def test_a_scan_in_another_place_is_refused(tmp_path):
+    blank = Blank.rectangle((-0.05, -0.05), (0.05, 0.05), 0.01)
+    sheet = stored_sheet(blank, blank.node_position)
+    plate = trimesh.Trimesh([[940, -60, 0], [1060, -60, 0], [1060, 60, 0], [940, 60, 0]], [[0, 1, 2], [0, 2, 3]])
+    plate.export(tmp_path / "scan.stl")
+    with pytest.raises(InputError, match=r"it is 890 mm away from the sheet sheet, .*; move it to the place"):
+        compare_scan(sheet, tmp_path / "scan.stl", 1e-3)
+
+
 def test_files_tell_the_same(tmp_path):
     files = write_comparison(tmp_path, compare_sheets(bent(0.01), bent(0.01, shift=0.02), "b"))
     told = json.loads(files[0].read_text())

@@ -124,6 +124,8 @@ def test_bad_input_of_the_batch_is_refused():
         run_batch(VARIANTS, device="abacus")
     with pytest.raises(InputError, match="threads"):
         run_batch(VARIANTS, threads=0)
+    with pytest.raises(InputError, match="entry 1 is a str; values of Setup are needed"):
+        run_batch([variant(), "setup.json"])
     assert run_batch([]) == []
 
 

@@ -41,6 +41,10 @@ PAIRS: dict[str, tuple[str, str]] = {
         f"{GUARDS}/test_holder.py::test_one_that_starts_in_touch_need_not_land",
     ),
     "closing_gap": (f"{GUARDS}/test_closing.py::test_the_gap_at_the_end_of_the_stroke_is_told_before",) * 2,
+    "cut_short": (
+        f"{GUARDS}/staging/test_cut_short.py::test_what_is_not_over_at_the_end_is_noted",
+        f"{GUARDS}/staging/test_cut_short.py::test_what_is_over_is_silent",
+    ),
     "damping_loss": (f"{NEAR}::test_damping",) * 2,
     "energy_balance": (f"{NEAR}::test_energy_balance",) * 2,
     "folded_elements": (f"{HERE}::test_a_strip_that_is_turned_back_over_itself",) * 2,
@@ -93,6 +97,10 @@ PAIRS: dict[str, tuple[str, str]] = {
         f"{GUARDS}/test_tool_mesh.py::test_nothing_is_said_of_a_large_radius",
     ),
     "tool_reach": (f"{GUARDS}/test_touch.py::test_a_punch_above_a_held_sheet_is_told_by_its_stroke",) * 2,
+    "tool_symmetry": (
+        f"{GUARDS}/symmetry/test_tools.py::test_a_tool_off_the_plane_is_refused_with_its_place_and_can_be_accepted",
+        f"{GUARDS}/symmetry/test_tools.py::test_a_small_shift_is_within_the_tolerance",
+    ),
     "tools_cross": (f"{GUARDS}/staging/test_crossing.py::test_a_ball_that_is_pressed_through_the_sheet",) * 2,
     "trims": (
         f"{UNIT}/output/test_trimmed_run.py::test_frames_have_no_values_of_waste",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ....kernels.rows import PassEntry
+from ....kernels.pass_entries import PassEntry
 from ....process.friction import Friction
 from ...diagnosis import LARGEST_PLY_PENETRATION
 from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables
@@ -99,7 +99,8 @@ class Interfaces(Guard):
                 Level.DO_NOT_USE,
                 f"{name}: a node went past the facets on which it was looked for, so that a contact may have "
                 "been missed",
-                "plies slide faster than the search allows: move the tools more slowly",
+                "elements have turned over, or plies slide faster than the search allows: refine the mesh, or move the "
+                "tools more slowly",
             )
         self._see(k, model, rows["push"], run.run.state.time)
         found = self._deepest.get(k)

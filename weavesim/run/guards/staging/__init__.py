@@ -1,7 +1,8 @@
-"""Guards of stages: whether each comes to its end, what it trims, and what its tools do to each other."""
+"""Guards of stages: whether each comes to its end and all in it, what it trims, what its tools do to each other."""
 
 from .crossing import ToolsCross
+from .cut_short import CutShort
 from .ends import StageEnds
 from .trims import Trims
 
-__all__ = ["StageEnds", "ToolsCross", "Trims"]
+__all__ = ["CutShort", "StageEnds", "ToolsCross", "Trims"]

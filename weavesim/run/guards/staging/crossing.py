@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -57,11 +58,14 @@ class _Pair:
     def name(self) -> str:
         return f"{self.tools[0].name} and {self.tools[1].name}"
 
+    @cached_property
+    def _boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Around the points of both, (8, 3) each."""
+        return _box(self.points[0]), _box(self.points[1])
+
     def corners(self, at: list[Place]) -> tuple[np.ndarray, np.ndarray]:
         """Of the boxes around both tools, where these are."""
-        one, other = (
-            tool.moved(_box(points), place) for tool, points, place in zip(self.tools, self.points, at, strict=True)
-        )
+        one, other = (tool.moved(box, place) for tool, box, place in zip(self.tools, self._boxes, at, strict=True))
         return one, other
 
     def least_gap(self, now: tuple[np.ndarray, np.ndarray]) -> float:

@@ -1,0 +1,100 @@
+"""Tools across a plane of symmetry that are not their own mirror images are refused, or warned of."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.support.runs import small_run
+from weavesim import InputError, PathMotion, Stroke, Tool
+from weavesim.process.motions.paths import Rotation
+from weavesim.run.guards import Level
+from weavesim.tools.mesh_tool import MeshShape
+from weavesim.tools.shapes import Sphere
+
+AWAY = -0.012 - 0.0006  # the middle of a ball that touches a sheet of 1.2 mm from below
+
+
+def ball(x=0.0, y=0.0, motion=None, axis=(0.0, 0.0, 1.0)):
+    return Tool("ball", Sphere(0.012, origin=(x, y, AWAY)), motion or Stroke((0.0, 1e-5), (0.0, 1e-4)), axis=axis)
+
+
+def found(tool, symmetry=("x",), **given):
+    run = small_run(tools=[tool], symmetry=symmetry, **given)
+    return [doubt for doubt in run.doubts() if doubt.guard == "tool_symmetry"]
+
+
+@pytest.mark.parametrize("symmetry", [("x",), ("y",), ("x", "y")])
+def test_a_ball_on_the_planes_is_silent(symmetry):
+    assert not found(ball(), symmetry)
+
+
+def test_a_ball_beside_the_plane_is_none_of_its_business():
+    assert not found(Tool("ball", Sphere(0.004, origin=(0.01, 0.01, -0.0046)), Stroke((0.0, 1e-5), (0.0, 1e-4))))
+
+
+def test_a_tool_off_the_plane_is_refused_with_its_place_and_can_be_accepted():
+    # on a slope of one half the surface is off by half of twice the shift
+    with pytest.raises(InputError, match=r"ball: at \(.*\) mm it is .* mm off its mirror image at the plane .* x = 0"):
+        found(ball(x=0.003))
+    (doubt,) = found(ball(x=0.003), accept_unusual=True)
+    assert doubt.level == Level.WARNING and doubt.value > 5 * doubt.limit
+    assert not found(ball(y=0.003))  # another plane
+
+
+def test_a_small_shift_is_within_the_tolerance():
+    assert not found(ball(x=1e-4))
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        PathMotion((0.0, 1e-5), ((0.0, 0.0, 0.0), (0.004, 0.0, 0.0))),
+        Stroke((0.0, 1e-5), (0.0, 6e-3)),
+    ],
+    ids=["path", "leaning axis"],
+)
+def test_a_tool_that_moves_off_the_plane_is_refused(motion):
+    leaning = isinstance(motion, Stroke)
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(ball(motion=motion, axis=(0.6, 0.0, 0.8) if leaning else (0.0, 0.0, 1.0)))
+
+
+def test_what_ends_a_little_beyond_the_plane_is_silent():
+    corners = np.array([[-0.003, -0.01, 0.0], [0.03, -0.01, 0.0], [0.03, 0.03, 0.0], [-0.003, 0.03, 0.0]])
+    plate = MeshShape.from_triangles(
+        corners, np.array([[0, 1, 2], [0, 2, 3]]), spacing=1e-3, reach=4e-3, origin=(0.0, 0.0, -0.0006)
+    )
+    assert not found(Tool("plate", plate))
+
+
+def test_turning_about_the_normal_of_the_plane_is_symmetric():
+    def turning(axis):
+        roll = Rotation(axis, (0.0, 0.0, AWAY), (0.0, 1e-5), (0.0, 20.0))
+        corners = np.array([[-0.02, -0.02, 0.0], [0.02, -0.02, 0.0], [0.02, 0.02, 0.0], [-0.02, 0.02, 0.0]])
+        plate = MeshShape.from_triangles(
+            corners, np.array([[0, 1, 2], [0, 2, 3]]), spacing=1e-3, reach=4e-3, origin=(0.0, 0.0, -0.009)
+        )
+        return Tool("plate", plate, PathMotion(rotation=roll))
+
+    assert not found(turning((1.0, 0.0, 0.0)))
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(turning((0.0, 1.0, 0.0)))
+
+
+def test_the_back_of_a_punch_may_be_uneven_however_far_it_is_drawn():
+    block = trimesh.creation.box(extents=(0.06, 0.06, 0.01))
+    step = trimesh.creation.box(extents=(0.02, 0.06, 0.005))
+    step.apply_translation((-0.02, 0.0, 0.0074))
+    both = trimesh.boolean.union([block, step])
+    punch = MeshShape.from_triangles(
+        np.asarray(both.vertices), np.asarray(both.faces), spacing=1e-3, reach=4e-3, origin=(0.0, 0.0, 0.0056)
+    )
+    down = (0.0, 0.0, -1.0)
+    for stroke in (1e-4, 0.02):
+        assert not found(Tool("punch", punch, Stroke((0.0, 1e-5), (0.0, stroke)), axis=down), accept_unusual=True)
+    turned = MeshShape.from_triangles(
+        np.asarray(both.vertices) * (1, 1, -1), np.asarray(both.faces)[:, ::-1], spacing=1e-3, reach=4e-3,
+        origin=(0.0, 0.0, 0.0106),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(Tool("punch", turned, Stroke((0.0, 1e-5), (0.0, 0.02)), axis=down))

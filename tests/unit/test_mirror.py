@@ -131,7 +131,6 @@ TESTED_ELSEWHERE = {
     "weavesim/run/guards/friction/tables.py": "verification/contact/test_tool_friction.py",
     "weavesim/run/guards/friction/tools.py": "verification/contact/test_tool_friction.py",
     "weavesim/run/ledger.py": "verification/time/test_ledger_entries.py",
-    "weavesim/run/sheet_ledger.py": "verification/time/test_ledger_entries.py",
     "weavesim/run/guards/penetration.py": "unit/run/guards/test_limit.py",
     "weavesim/run/start.py": "unit/run/test_simulation.py",
     "weavesim/engine/staging/acting.py": "unit/engine/staging/test_derive.py",

@@ -73,7 +73,6 @@ TESTED_ELSEWHERE = {
     "kernels/plies/forces.py": PLIES,
     "kernels/plies/node_pass.py": PLIES,
     "kernels/plies/reaction.py": PLIES,
-    "kernels/plies/search.py": PLIES,
     "kernels/plies/stand.py": PLIES,
     "kernels/plies/normals.py": PLIES,
     "kernels/plies/own_search.py": SELF_CONTACT,

@@ -187,6 +187,8 @@ def test_fields_of_a_later_version_and_another_commit_do_not_make_a_run_another(
     [
         (["--scene", "double-dome", "--thickness", "3", "--fabric", "carbon"],
          "--thickness, --fabric: no effect with --scene"),
+        (["--die", "die.stl", "--thickness", "0.0012"], "a gap of 0.0012 mm between the closed tools does not suit"),
+        (["--die", "die.stl", "--thickness", "60"], "which is 1.2 mm thick; a number without a unit is in mm"),
         (["--die", "die.stl", "--ring", "ring.stl", "--no-ring"], "--ring and --no-ring: give one of them"),
     ],
 )  # fmt: skip

@@ -14,6 +14,8 @@ import typer
 from ...errors import InputError, did_you_mean
 from ..terminal import say
 
+# A gap of the closed tools over the thickness of the fabric, or the inverse; a stack may have many plies.
+LARGEST_GAP_RATIO = 30.0
 DEFAULT_FABRIC = "glass-polypropylene"
 SCHEMA_NAME, JOB_NAME = "job.schema.json", "job.toml"
 
@@ -105,6 +107,12 @@ def _tool_text(
         with_ring=with_ring,
         schema=SCHEMA_NAME,
     )
+    if choices.gap is not None and not 1.0 / LARGEST_GAP_RATIO < choices.gap / found.thickness < LARGEST_GAP_RATIO:
+        raise InputError(
+            f"--thickness {thickness}: a gap of {1e3 * choices.gap:.4g} mm between the closed tools does not suit the "
+            f"fabric {fabric}, which is {1e3 * found.thickness:.4g} mm thick; a number without a unit is in mm, and of "
+            "several plies give their sum"
+        )
     return new_job(surface, choices, found), own
 
 

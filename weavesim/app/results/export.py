@@ -72,11 +72,20 @@ def export_command(
                  "--reference": reference is not None, "--out": out is not None}  # fmt: skip
         if extra := [option for option, is_given in given.items() if is_given]:
             raise InputError(f"{', '.join(extra)}: no effect without formats (--to csv); leave it out")
+    _tell_verdict(run)
     drawings = _drawings(run, flat, trim, part_edge, edge_unit, edge_layer, opening)
     if to:
         axis = (1.0, 0.0, 0.0) if reference is None else reference
         _formats(run, to, map_onto, unit or "m", whole, 2 if yarns is None else yarns, lamina, within, axis, out)
     drawings()
+
+
+def _tell_verdict(run: Path) -> None:
+    """Say of a run that should not be used that it should not, before its numbers go elsewhere."""
+    from ..jobs.folders import read_summary
+
+    if (verdict := read_summary(run).get("verdict")) == "do not use":
+        say(f'note: the verdict of this run is "{verdict}"; weavesim view {run} tells why')
 
 
 def _drawings(

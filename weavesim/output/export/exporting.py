@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
+from ...ranges import QUANTITIES, illegal
 from ..files import check_writable, write_text
 from ..stored.file import StoredRun
 from .abaqus import abaqus_deck, calculix_deck
@@ -62,6 +63,8 @@ class Export:
             raise InputError(f"layers per ply {self.layers_per_ply}: 2 (warp and weft apart) or 1 (along the warp)")
         if self.within is not None and not (np.isfinite(self.within) and self.within > 0.0):
             raise InputError(f"distance {self.within}: a positive length in metres is needed")
+        if self.within is not None and (problem := illegal(self.within, QUANTITIES["gap"])):
+            raise InputError(f"distance {self.within:g}: {problem}; farther away lie the fibres of something else")
         if not np.isfinite(self.reference).all() or not np.any(self.reference):
             raise InputError(f"reference {self.reference}: a direction is needed, such as 1 0 0")
         if self.map_onto is None and self.within is not None:
@@ -112,6 +115,8 @@ def export_run(run: StoredRun, wish: Export) -> Exported:
             f"{1e3 * mapping.mean_distance:.3g} mm on average, at most {1e3 * mapping.largest_distance:.3g} mm; "
             f"normals differ by up to {mapping.largest_tilt:.3g} degrees"
         )
+    if wish.whole and not any(sheet.symmetry.planes for sheet in run.sheets):
+        done.notes.append("no sheet is cut at a plane of symmetry: there are no mirrored copies to add")
     done.notes += [note for part in parts for note in part.notes]
     files = [pair for name in dict.fromkeys(wish.formats) for pair in FORMATS[name](parts, run, wish)]
     if set(wish.formats) & set(_WITH_CONSTANTS):

@@ -33,6 +33,7 @@ def test_a_whole_export_with_every_option(export_command, folder, tmp_path):
     )  # fmt: skip
     assert code == 0, err
     assert "mapped onto 24 elements" in out and "our test 7" in out
+    assert "there are no mirrored copies to add" in out
     assert (tmp_path / "out" / "part_abaqus.inp").exists()
 
 
@@ -42,6 +43,7 @@ def test_a_whole_export_with_every_option(export_command, folder, tmp_path):
         (["--to", "ansys"], "'ansys': choose from calculix"),
         (["--to", "csv", "--unit", "inch"], "choose from m, mm"),
         (["--to", "csv", "--map", "nothing.inp"], "mesh to map onto nothing.inp does not exist"),
+        (["--to", "csv", "--map", "part.inp", "--within", "5"], "at most 0.1 m is allowed: write 0.005 for 5 mm"),
         (["--to", "csv", "--lamina", "nothing.toml"], "lamina file nothing.toml: cannot be read"),
     ],
 )
@@ -49,6 +51,19 @@ def test_bad_input_is_told_before_anything_is_written(export_command, folder, tm
     code, _, err = export_command(folder, *options, "--out", tmp_path / "out")
     assert code == 2 and message in err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_should_not_be_used_says_so_when_it_is_exported(export_command, folder, tmp_path):
+    code, out, _ = export_command(folder, "--to", "csv", "--out", tmp_path)
+    assert code == 0 and "verdict" not in out
+    summary = folder / "summary.json"
+    assert not summary.exists()
+    summary.write_text('{"verdict": "do not use"}')
+    try:
+        code, out, _ = export_command(folder, "--to", "csv", "--out", tmp_path)
+    finally:
+        summary.unlink()
+    assert code == 0 and 'note: the verdict of this run is "do not use"' in out
 
 
 def test_a_folder_that_is_no_run(export_command, tmp_path):

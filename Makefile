@@ -1,5 +1,6 @@
 # Everything runs in .venv, made on first use. Needed: make and Python 3.11 or newer.
 #   make demo       form a woven blank over a double dome on the CPU and say where to look
+#   make install    install it with all that tests and documentation need
 #   make test       run the test suite on the CPU
 #   make test-fast  run it without the slow tests, under a minute once the kernels are compiled
 #   make verify     run the verification studies and rebuild docs/verification.md (about 20 minutes)
@@ -21,7 +22,9 @@ WORKERS ?= 2
 # The hundred processes that the tests start read compiled modules where the environment asks that none are written.
 test test-fast: export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test test-fast verify hour render readers soak site gallery notebooks audit release lint clean
+.PHONY: demo install test test-fast verify hour render readers soak site gallery notebooks audit release lint clean
+
+install: $(VENV)/.installed-all
 
 demo: $(VENV)/.installed
 	$(PYTHON_IN_VENV) scripts/double_dome.py --overwrite
@@ -82,7 +85,7 @@ clean:
 	rm -rf $(VENV) .venv-render .venv-readers build dist *.egg-info
 
 # PYTHON=/path/to/python names an interpreter; without it the first that is new enough is taken.
-$(VENV)/.installed: pyproject.toml
+$(VENV)/.made:
 	@for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11; do \
 		if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then \
 			echo "Installing weavesim in $(VENV) with $$($$python --version) ..."; \
@@ -90,6 +93,9 @@ $(VENV)/.installed: pyproject.toml
 		fi; \
 	done; \
 	echo "weavesim needs Python 3.11 or newer: install it, or name one with PYTHON=/path/to/python." >&2; exit 2
+	@touch $@
+
+$(VENV)/.installed: pyproject.toml | $(VENV)/.made
 	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
@@ -100,3 +106,8 @@ $(VENV)/.installed-test: $(VENV)/.installed
 $(VENV)/.installed-docs: $(VENV)/.installed
 	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
 	@touch $@
+
+# All of these at once: one resolution, one build.
+$(VENV)/.installed-all: pyproject.toml | $(VENV)/.made
+	@$(PYTHON_IN_VENV) -m pip install --quiet --disable-pip-version-check --editable ".[test,docs]"
+	@touch $(VENV)/.installed $(VENV)/.installed-test $(VENV)/.installed-docs $@

@@ -80,7 +80,6 @@ class Parameters(_Model):
 
     model_config = ConfigDict(
         frozen=True,
-        defer_build=True,
         extra="forbid",
         arbitrary_types_allowed=True,
         validate_default=True,

@@ -10,7 +10,8 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import GetCoreSchemaHandler
@@ -18,12 +19,15 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from .checks import Parameters, types_within
+from .documents import read_document
 from .errors import InputError
+from .input_files import shown
 from .quantities import finite, positive
 
 logger = logging.getLogger(__name__)
 
 Range = tuple[float, float]
+Kind = TypeVar("Kind", bound=Parameters)
 
 # Units that are often given in place of ours, and the factor from them to ours, the likelier first.
 SLIPS: dict[str, tuple[tuple[str, float], ...]] = {
@@ -316,3 +320,28 @@ def check_usual(value: Any, place: str = "") -> None:
     listed = "\n  ".join(found[:LONGEST_LIST] + (["and more"] if len(found) > LONGEST_LIST else []))
     what = "a value is unusual, probably in another unit" if len(found) == 1 else f"{len(found)} values are unusual"
     raise ValueError(f"{what}:\n  {listed}\n{ACCEPTING}")
+
+
+def read_parameters(kind: type[Kind], path: str | Path, what: str) -> Kind:
+    """Parameters from a TOML or JSON file with their names, and ``accept_unusual`` if unusual numbers are meant.
+
+    Args:
+        kind: of the parameters.
+        path: of the file.
+        what: name of such a file in messages, such as "lamina file".
+
+    Raises:
+        InputError: a file that cannot be read, or values that are not allowed or not usual.
+    """
+    values = dict(read_document(path, what).values)
+    accepts = values.pop("accept_unusual", False)
+    if not isinstance(accepts, bool):
+        raise InputError(f"{what} {shown(path)}: accept_unusual = {accepts!r}: true or false is needed")
+    try:
+        result = kind(**values)
+        if not accepts:
+            check_usual(result)
+    except (TypeError, ValueError) as error:
+        answer = "If this is meant, write accept_unusual = true in it."
+        raise InputError(f"{what} {shown(path)}: {str(error).replace(ACCEPTING, answer)}") from None
+    return result

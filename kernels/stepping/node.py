@@ -142,7 +142,7 @@ def node_motion_kernel(real: type, lane_count: int, traits: NodeTraits):
     Surroundings, Touch = surroundings_struct(*layout), touch_struct(*layout)
     move_block = node_motion_function(real, lane_count, traits)
 
-    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real))
+    @wp.kernel(module="unique", enable_backward=False, module_options=step_options(real, inlined=True))
     def node_motion(
         # In
         first_block: wp.int32,

@@ -90,8 +90,6 @@ class ProgressBar:
         self._begin = time
 
     def start(self, info: RunInfo) -> None:
-        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
-
         self.listen()
         self._name = info.name.replace("_", " ")
         self._duration = info.duration
@@ -107,6 +105,8 @@ class ProgressBar:
         if self._notebook is not None:
             self._notebook.update(0.0, f"preparing {info.element_count} elements")
         elif self._console.is_terminal:
+            from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
             self._progress = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(),

@@ -66,6 +66,7 @@ def run_into_folder(
         InputError: bad input, before anything is written.
         RunError: the run had to stop; results up to the last good frame are written first.
     """
+    from ..measures.defects.waves import WaveFilter
     from ..output.files import plain
     from ..run.checkpoint.checkpoints import Checkpoints
     from ..run.checkpoint.job import Job
@@ -76,6 +77,7 @@ def run_into_folder(
     from ..run.start import sheet_infos
 
     checkpoints = Checkpoints(folder.path, checkpoint_interval)
+    every_field = reads_frames or not OF_LAST_FRAME.issuperset(folder.writer_names)
     log, bar = RunLog(folder.path, stays=True), ProgressBar(stays=True)
     summary: dict[str, Any] = {}
     bar.listen()
@@ -88,6 +90,8 @@ def run_into_folder(
         simulation.stops.pass_over(job.passed if job is not None else ())
         with uncollected():
             info = simulation.prepare().info
+            if every_field:
+                WaveFilter.load()
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
@@ -111,7 +115,7 @@ def run_into_folder(
                 simulation.run(
                     [bar, folder, log],
                     checkpoints=checkpoints if checkpoint_interval else None,
-                    every_field=reads_frames or not OF_LAST_FRAME.issuperset(folder.writer_names),
+                    every_field=every_field,
                 )
             finally:
                 if simulation.history:

@@ -12,7 +12,7 @@ import typer
 
 from ..errors import InputError, RunError
 from .ending import ExitCode
-from .jobs.arguments import FilesFrom, Settings
+from .jobs.arguments import FilesFrom, Settings, asked_of_a_job
 from .session import announce_compilation, interruptible
 from .terminal import say
 
@@ -75,7 +75,7 @@ def study_command(
         raise InputError("--jobs: has no effect with --scheduler, whose workers say how many runs they take")
     check_page()
     folder = out or file.parent / DEFAULT_OUT
-    with interruptible() as interrupted:
+    with interruptible() as interrupted, asked_of_a_job():
         try:
             results = run_study(
                 study, folder, settings=set_ or (), files_from=files_from or (), jobs=jobs, scheduler=scheduler,

@@ -111,6 +111,12 @@ class SheetLedger:
         self._element_ledger: wp.Launch | None = None
         elements, nodes = sheet.blank.element_count, sheet.blank.node_count
         points = nodes + len(sheet.samples.places) * elements
+        # of nodes and samples; the former change with the sheet where contact follows them
+        self._half_thickness = np.full(points, 0.5 * sheet.fabric.thickness)
+        self._half_thickness[nodes:] -= sheet.samples.allowance
+        self._stiffness = np.concatenate(
+            [sheet.contact_stiffness, np.tile(sheet.samples.stiffness, len(sheet.samples.places))]
+        )
         self._contact_gaps = ToolGaps(model, index, state, points, acting, keep_normals=True)
         self._tool_forces = ToolForces(model, index, state, self._contact_gaps, acting)
         self._tool_fields = ToolFields(sheet)
@@ -264,14 +270,12 @@ class SheetLedger:
         sample_count = len(sheet.samples.places)
         slot = sheet.samples.slot
         points = [position, *self._surfaces(position, director, sheet.samples.places)]
-        half_thickness = np.full(node_count + sample_count * element_count, 0.5 * sheet.fabric.thickness)
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             samples = [np.tile(between[slot], sample_count)] if sample_count else []
-            half_thickness = np.concatenate([own[:node_count], *samples])
-        half_thickness[node_count:] -= sheet.samples.allowance
-        self._half_thickness = half_thickness
-        stiffness = np.concatenate([sheet.contact_stiffness, np.tile(sheet.samples.stiffness, sample_count)])
+            self._half_thickness = np.concatenate([own[:node_count], *samples])
+            self._half_thickness[node_count:] -= sheet.samples.allowance
+        half_thickness, stiffness = self._half_thickness, self._stiffness
         self._distance = self._contact_gaps(np.concatenate(points))
         penetration = np.maximum(half_thickness - self._distance, 0.0)
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]

@@ -42,6 +42,20 @@ def corner_shares(places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return 0.25 * share, 0.25 * by_u, 0.25 * by_v
 
 
+def at_places(shares: np.ndarray, values: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Vectors of the nodes (node_count, 3) at places of all elements, (k, element_count, 3).
+
+    Args:
+        shares: of the corners at the places, (k, 4).
+        values: of the nodes.
+        quads: (element_count, 4).
+    """
+    total: np.ndarray = shares[:, 0, None, None] * values[quads[:, 0]]
+    for corner in range(1, 4):
+        total += shares[:, corner, None, None] * values[quads[:, corner]]
+    return total
+
+
 # Of an interpolated director, as in kernels/stepping/surface_point.py.
 SHORTEST_DIRECTOR = 0.1
 # The surface moves a little more than the patch does, as it is bent: of the squares, up to directors that differ by 60

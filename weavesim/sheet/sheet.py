@@ -137,10 +137,11 @@ class Sheet(Parameters):
         angle = 90.0 - np.degrees(np.arcsin(np.minimum(cosine, 1.0)))
         # yarns that curve are at another angle half an element beside the plane
         limit = LARGEST_LEAN if np.ptp(warp, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
-        lean = float(np.minimum(angle, 90.0 - angle).min())
+        leans = np.minimum(angle, 90.0 - angle)
+        lean = float(leans.max())
         if lean <= limit:
             return
-        diagonal = lean >= 45.0 - limit
+        diagonal = leans.min() >= 45.0 - limit
         if diagonal and families_alike(self.fabric):
             return
         problem = f"the warp lies at {lean:.4g} degrees to the plane of symmetry {plane} = 0 or to its normal"

@@ -164,16 +164,17 @@ class JobSubject:
 
     def _check_once(self, file: JobFile, own: Sequence[str]) -> None:
         """Raise InputError for a value that is varied twice, or varied and set for all runs, however it is called."""
-        taken: dict[tuple[str, ...], str] = {}
-        for place, setting in enumerate((*self.settings, *own)):
+        taken: dict[tuple[str, ...], int] = {}
+        settings = (*self.settings, *own)
+        for place, setting in enumerate(settings):
             for keys in overridden(file.document.values, [setting])[1]:
                 if keys in taken and place >= len(self.settings):
-                    name, other = (text.partition("=")[0].strip() for text in (setting, taken[keys]))
-                    is_own = taken[keys] in own
+                    name, other = (text.partition("=")[0].strip() for text in (setting, settings[taken[keys]]))
+                    is_own = taken[keys] >= len(self.settings)
                     how = "varied twice" if is_own else "varied, and set for all runs"
                     also = f", as {other} too" if other != name else ""
                     raise InputError(f"{name} is {how}{also}: one of both would be ignored; leave it out there")
-                taken[keys] = setting
+                taken[keys] = place
 
     def unit_of(self, key: str) -> str:
         """SI unit of a key of the job; "" for none, or for a key that is refused later."""

@@ -63,7 +63,10 @@ class SolidTriangles:
 
         with ThreadPoolExecutor(1) as pool:
             others = pool.submit(simplify)
-            self.mesh = self._on_device(vertices, faces, begin)
+            try:
+                self.mesh = self._on_device(vertices, faces, begin)
+            finally:  # else the other would wait for ever
+                begin.set()
             return others.result()
 
     def _on_device(self, vertices: np.ndarray, faces: np.ndarray, begin: threading.Event | None = None) -> wp.Mesh:

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_setup
-from weavesim.engine.traits import node_traits, sheet_traits
+from weavesim.engine.traits import node_traits, sheet_traits, waiting
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
+from weavesim.process.stages import Move, Stage
+from weavesim.process.strokes import Stroke
 from weavesim.process.supports import Support
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.geometry import ElementGeometry
@@ -46,3 +48,22 @@ def test_traits_state_the_shape_of_the_mesh(distortion, skewed):
     for blank, is_flat in ((flat, True), (bent, False)):
         traits = sheet_traits(glass_polypropylene(), ElementGeometry.of(blank), Dynamics())
         assert traits.flat == is_flat and traits.skewed == skewed
+
+
+@pytest.mark.parametrize(
+    ("own", "later", "expected"),
+    [(None, (), (False,)), (5.0, (), (True,)), (None, (None,), (False,)), (None, (5.0,), (False, True)),
+     (5.0, (None,), (False, True))],
+)  # fmt: skip
+def test_strokes_with_a_largest_force_take_a_kernel_of_their_own(own, later, expected):
+    """Of any stage: each has the kernel of its own strokes."""
+
+    def stroke(force: float | None) -> Stroke:
+        return Stroke((0.0, 0.1), (0.0, 0.01), largest_force=force)
+
+    tools = (Tool("ball", Sphere(0.03, origin=(0.0, 0.0, 0.05)), stroke(own), axis=(0.0, 0.0, -1.0)),)
+    setup = one_sheet_setup(
+        name="t", blank=BLANK, fabric=glass_polypropylene(), duration=0.1, accept_unusual=True, tools=tools
+    )
+    stages = tuple(Stage(f"{k}", 0.1, moves=(Move("ball", stroke(force)),)) for k, force in enumerate(later))
+    assert waiting(setup.model_copy(update={"stages": stages})) == expected

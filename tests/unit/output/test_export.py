@@ -220,8 +220,11 @@ def test_constants_come_from_a_file(tmp_path):
         "modulus_along = 40\nmodulus_across = 9\npoisson_ratio = 0.3\nshear_modulus = 4\n"
         "shear_modulus_across = 3\ndensity = 1900\n"
     )
-    with pytest.raises(InputError, match="modulus_along = 40 Pa: usual are .* write 4e.10 for 40 GPa"):
+    with pytest.raises(InputError, match="modulus_along = 40 Pa: usual are .* write 4e.10 for 40 GPa") as refused:
         Lamina.from_file(path)
+    assert "accept_unusual = true" in str(refused.value)
+    path.write_text("accept_unusual = true\n" + path.read_text())
+    assert Lamina.from_file(path).modulus_along == 40.0
     path.write_text("modulus = 1.0\n")
     with pytest.raises(InputError, match="modulus"):
         Lamina.from_file(path)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from weavesim.sheet.samples import (
+    at_places,
     corner_shares,
     sample_motion,
     sample_places,
@@ -109,3 +110,11 @@ def test_surfaces_at_many_places_are_those_at_each(count):
     for own, place in zip(found, places, strict=True):
         expected = surface_points(corners, directors, np.broadcast_to(place, (count, 2)))[0]
         np.testing.assert_array_equal(own, expected)
+
+
+def test_vectors_of_nodes_at_places_are_shared_by_the_corners():
+    quads, values = np.array([[0, 1, 4, 3], [1, 2, 5, 4]]), np.random.default_rng(1).normal(size=(6, 3))
+    shares = corner_shares(np.array([(0.0, 0.0), (-1.0, -1.0), (0.5, -0.5)]))[0]
+    found = at_places(shares, values, quads)
+    np.testing.assert_allclose(found, np.einsum("sc,eci->sei", shares, values[quads]), rtol=1e-15, atol=1e-15)
+    np.testing.assert_array_equal(found[1], values[quads[:, 0]])

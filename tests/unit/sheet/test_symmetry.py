@@ -155,6 +155,11 @@ def test_yarns_that_curve_need_to_be_right_at_the_plane():
     weft = np.cross([0.0, 0.0, 1.0], around)
     curved = blank.model_copy(update={"warp_direction": around, "weft_direction": weft})
     Sheet(curved, WOVEN).check_symmetry(Symmetry(("y",)))
+    leaning = around.copy()
+    leaning[np.argmin(blank.element_centres()[:, 1])] = (np.cos(1.2), np.sin(1.2), 0.0)
+    there = {"warp_direction": leaning, "weft_direction": np.cross([0.0, 0.0, 1.0], leaning)}
+    with pytest.raises(ValueError, match="a plane needs yarns along it or across it"):
+        Sheet(curved.model_copy(update=there), WOVEN).check_symmetry(Symmetry(("y",)))
 
 
 def test_gravity_acts_within_a_plane_of_symmetry():

@@ -36,6 +36,7 @@ def test_one_set_up_has_one_key_however_it_is_written(subject):
     ("settings", "other", "message"),
     [
         (("spring.corner.stiffness=900",), None, "spring.corner.stiffness is varied, and set for all runs"),
+        (("spring.corner.stiffness=1.0 N/mm",), None, "spring.corner.stiffness is varied, and set for all runs"),
         (("springs.corner.stiffness=900",), None, "is varied, and set for all runs, as springs.corner.stiffness too"),
         ((), "spring.stiffness", "spring.stiffness is varied twice, as spring.corner.stiffness too"),
     ],

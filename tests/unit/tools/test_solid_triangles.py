@@ -66,3 +66,14 @@ def test_surfaces_inside_the_solid_are_seen_on_simplified_triangles(length, cros
     surface = MeshSurface(ring, bar.faces)
     assert SolidTriangles(surface, "cpu").crossed == crossed
     assert SolidTriangles(surface, "cpu", SPACING).crossed == crossed
+
+
+def test_a_device_that_has_no_memory_is_told(monkeypatch):
+    """The thread that simplifies meanwhile waits for the other to begin, which it never does."""
+
+    def full(*arguments, **options):
+        raise MemoryError
+
+    monkeypatch.setattr(SolidTriangles, "_on_device", full)
+    with pytest.raises(MemoryError):
+        SolidTriangles(ball(), "cpu", SPACING)

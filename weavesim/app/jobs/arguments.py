@@ -26,8 +26,12 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace the result
 
 
 @contextmanager
-def asked_of_a_job() -> Iterator[None]:
-    """Have a question about an unusual value answered where a job answers it: its commands have no option for that."""
+def asked_of_a_job(*, sets: bool = True) -> Iterator[None]:
+    """Have a question about an unusual value answered where a job answers it: its commands have no option for that.
+
+    Args:
+        sets: whether the command has ``--set``.
+    """
     from ...ranges import ACCEPTING
 
     try:
@@ -35,5 +39,6 @@ def asked_of_a_job() -> Iterator[None]:
     except InputError as error:
         if ACCEPTING not in str(error):
             raise
-        answer = "If this is meant, write accept_unusual = true at the top of the job, or --set accept_unusual=true."
+        answer = "If this is meant, write accept_unusual = true at the top of the job"
+        answer += ", or --set accept_unusual=true." if sets else "."
         raise InputError(str(error).replace(ACCEPTING, answer)) from None

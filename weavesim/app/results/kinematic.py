@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from ...errors import InputError
+from ..jobs.arguments import asked_of_a_job
 from ..terminal import say
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def kinematic_command(
     if source.is_dir():
         files, lines = _of_run(source, folder, tool, seed, side)
     else:
-        files, lines = _of_job(source, folder, tool, seed, side, wish)
+        with asked_of_a_job(sets=False):
+            files, lines = _of_job(source, folder, tool, seed, side, wish)
     for line in lines:
         say(line)
     say(f"wrote {', '.join(file.name for file in files)} to {folder}")

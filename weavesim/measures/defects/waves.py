@@ -70,6 +70,11 @@ class WaveFilter:
         self._along = np.einsum("eab,ebi,yei->yae", self._metric, sides, yarns)
         self._around = np.bincount(blank.quads.ravel(), minlength=blank.node_count)
 
+    @staticmethod
+    def load() -> None:
+        """Import what solves its equations, which takes as long as several frames; otherwise the first one does it."""
+        import scipy.sparse.linalg  # noqa: F401
+
     def of_surface(self, position: np.ndarray) -> np.ndarray:
         """Deviation of the nodes from their smoothed surface, along its normal, (node_count,) [m]."""
         smooth = self._smoothing(self._mass[:, None] * position)

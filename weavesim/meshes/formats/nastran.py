@@ -162,7 +162,8 @@ def _check_widths(source: Source, line: int, text: bytes) -> None:
     for k in ends:
         begin = 8 + k * size
         rest = text[begin : begin + size].split(b" ")[0]
-        if rest and text[begin - 1 : begin].strip() and b"." not in rest:
+        # what follows z may be the system of the displacements; 0 would be no digit that is missed
+        if rest and text[begin - 1 : begin].strip() and b"." not in rest and (k != ends[-1] or rest != b"0"):
             raise source.error(
                 f"line {line}: a coordinate is wider than its field of {size} characters",
                 "write commas between the fields, or fields of 16 characters (GRID*)",

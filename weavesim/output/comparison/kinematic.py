@@ -229,10 +229,10 @@ def lay(
     yarns = np.stack([blank.warp_direction[:, :2], blank.weft_direction[:, :2]], axis=1)
     if np.ptp(yarns, axis=0).max() > _STRAIGHT or abs(float(yarns[0, 0] @ yarns[0, 1])) > _STRAIGHT:
         raise InputError("kinematic drape: straight yarns at right angles are needed on the flat blank")
-    size = float(np.sqrt(flat_areas(blank).mean())) if side is None else side
+    largest = 0.5 * float(np.ptp(blank.material_coordinates, axis=0).min())
+    size = min(float(np.sqrt(flat_areas(blank).mean())), largest) if side is None else side
     if not 0.0 < size < np.inf:
         raise InputError(f"kinematic drape: side = {side} m: a positive length is needed")
-    largest = 0.5 * float(np.ptp(blank.material_coordinates, axis=0).min())
     if size > largest:
         raise InputError(
             f"kinematic drape: side = {size:g} m: at most {largest:.4g} m, half the width of the blank, shows "

@@ -154,14 +154,10 @@ def beside_border(
     beside = np.linalg.norm(off - np.einsum("ki,ki->k", off, up)[:, None] * up, axis=1)
     (doubtful,) = np.nonzero(beside > reach)
     found = np.zeros(len(points), dtype=bool)
-    if len(doubtful):
-        start, end = _open_edges(corners)
-        for k in doubtful:
-            along, foot = end - start, feet[k] - start
-            length = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)
-            share = np.clip(np.einsum("ei,ei->e", foot, along) / length, 0.0, 1.0)
-            apart = np.linalg.norm(foot - share[:, None] * along, axis=1)
-            found[k] = apart.min(initial=np.inf) < 1e-3 * reach
+    start, end = _open_edges(corners) if len(doubtful) else (corners[:0, 0],) * 2
+    if len(start):
+        near, _ = nearest(np.stack([start, end, end], axis=1), feet[doubtful])
+        found[doubtful] = np.linalg.norm(near - feet[doubtful], axis=1) < 1e-3 * reach
     return found
 
 

@@ -11,10 +11,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from ...checks import Parameters, Positive
-from ...documents import read_document
-from ...errors import InputError
-from ...input_files import shown
-from ...ranges import Quantity, unusual_values
+from ...ranges import Quantity, read_parameters
 
 
 class Lamina(Parameters):
@@ -48,13 +45,7 @@ class Lamina(Parameters):
         Raises:
             InputError: a file that cannot be read, or values that are not allowed or not usual.
         """
-        try:
-            lamina = cls(**read_document(path, "lamina file").values)
-        except TypeError as error:
-            raise InputError(f"lamina file {shown(path)}: {error}") from None
-        if found := list(unusual_values(lamina)):
-            raise InputError(f"lamina file {shown(path)}: {'; '.join(found)}")
-        return lamina
+        return read_parameters(cls, path, "lamina file")
 
 
 # E-glass (73 GPa) in polypropylene (1.5 GPa), 35 % fibres: rule of mixtures along the fibres, Halpin-Tsai across them.

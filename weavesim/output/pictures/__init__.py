@@ -6,7 +6,7 @@ from .draw_in import draw_in_picture
 from .sections import sections
 from .sheet import formed_sheet
 from .stack import stack_picture
-from .style import add_legend, colour_map, new_axes, new_figure, styled, words, write_picture
+from .style import add_legend, colour_map, load, new_axes, new_figure, styled, words, write_picture
 
 __all__ = [
     "add_legend",
@@ -16,6 +16,7 @@ __all__ = [
     "drive_forces",
     "energies",
     "formed_sheet",
+    "load",
     "new_axes",
     "new_figure",
     "point_angles",

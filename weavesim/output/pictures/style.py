@@ -57,6 +57,13 @@ _NARROW = 2.0
 _is_styled: ContextVar[bool] = ContextVar("_is_styled", default=False)
 
 
+def load() -> None:
+    """Import what draws, before it is needed."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: F401
+
+    _kind()
+
+
 @contextmanager
 def styled() -> Iterator[None]:
     """The common style, for what is made inside; taking it is slow, so that within itself it does nothing."""

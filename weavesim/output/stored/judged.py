@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...documents import read_document
-from ...errors import InputError
-from ...input_files import shown
 from ...measures.defects.judgement import Distance, Judgement, Limits, Region
-from ...ranges import unusual_values
+from ...ranges import read_parameters
 from ...tools.surfaces.distance import ToolDistance
 from ..files import write_summary
 from ..tables import write_table
@@ -37,12 +34,7 @@ def read_limits(path: Path | None) -> Limits:
     Raises:
         InputError: a file that cannot be read, or limits that are not allowed or not usual.
     """
-    if path is None:
-        return Limits()
-    limits = Limits(**read_document(path, "file of limits").values)
-    if found := list(unusual_values(limits)):
-        raise InputError(f"file of limits {shown(path)}: {'; '.join(found)}")
-    return limits
+    return Limits() if path is None else read_parameters(Limits, path, "file of limits")
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,11 @@ class PicturesWriter(Writer):
     title = "pictures"
     rank = 2
 
+    @classmethod
+    def load(cls) -> None:
+        """Import Matplotlib."""
+        pictures.load()
+
     def write(self, results: Results) -> None:
         """Draw all pictures that apply to this run."""
         folder = self.folder / "pictures"

@@ -172,20 +172,21 @@ def _gap_around(start: Start, phase: Phase, number: int, first: int, pair: tuple
 
 def on_both_sides(start: Start, world: World, first: int, a: int, b: int) -> bool:
     """Whether the sheets are between two tools, seen from their nearest nodes."""
-    distances = ToolDistances(start.model)
+    return is_below(start, world, first + a) != is_below(start, world, first + b)
+
+
+def is_below(start: Start, world: World, tool: int) -> bool:
+    """Whether a tool, by its index among those of the run, starts on the lower side of the sheets' nearest node."""
+    distances, at = ToolDistances(start.model), start.frame.place(tool)
     names = [sheet.name for sheet in world.sheets]
     nodes = np.concatenate([frame.position for frame in start.frame.sheets if frame.name in names])
     up = np.concatenate([frame.director for frame in start.frame.sheets if frame.name in names])
     step = 0.5 * min(sheet.fabric.thickness for sheet in world.sheets) * up
-    sides = []
-    for tool in (first + a, first + b):
-        at = start.frame.place(tool)
-        nearest = int(np.argmin(distances(tool, at, nodes)[0]))
-        # far from a sampled tool the distance has a slope, but no normal
-        beside = np.stack([nodes[nearest] + step[nearest], nodes[nearest] - step[nearest]])
-        above, below = distances(tool, at, beside)[0]
-        sides.append(float(above - below))
-    return sides[0] * sides[1] < 0.0
+    nearest = int(np.argmin(distances(tool, at, nodes)[0]))
+    # far from a sampled tool the distance has a slope, but no normal
+    beside = np.stack([nodes[nearest] + step[nearest], nodes[nearest] - step[nearest]])
+    above, below = distances(tool, at, beside)[0]
+    return bool(above > below)
 
 
 def smallest_gap(

@@ -83,7 +83,7 @@ class SheetExtremes:
                 self.depth = Extreme(float(depth[tool, node]), time, (float(x), float(y)), of_run)
             self.touched |= depth.max(axis=1) > 0.0
             samples = self._model.samples
-            if samples.count:
+            if samples.count and not self.touched.all():
                 own = state.sample_depth.numpy().reshape(len(depth), len(samples.places), -1)
                 self.touched |= own[..., samples.slot[self._model.kept]].max(axis=(1, 2)) > 0.0
 

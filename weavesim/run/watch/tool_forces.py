@@ -16,7 +16,7 @@ from ...kernels.contact.penalty import touch_struct
 from ...kernels.contact.tool_distance import tool_set_struct
 from ...kernels.rows import ClockEntry, ToolPoseRow
 from ...kernels.stepping.tool_contact import tool_push_kernel, touching_struct
-from ...sheet.samples import corner_shares
+from ...sheet.samples import at_places, corner_shares
 from .tool_gaps import ToolGaps
 
 
@@ -78,8 +78,7 @@ class ToolForces:
             empty = np.zeros((0, len(half_thickness)))
             return PointForces(empty, empty[..., None], empty[..., None])
         self._half_thickness.assign(half_thickness)
-        corners = velocity[sheet.blank.quads]
-        of_points = np.concatenate([velocity, *np.einsum("sc,eci->sei", self._shares, corners)])
+        of_points = np.concatenate([velocity, *at_places(self._shares, velocity, sheet.blank.quads)])
         self._velocity.assign(of_points - self._surface_velocity())
         self._friction.assign(self._springs())
         for launch in self.launches:
@@ -199,7 +198,7 @@ class ToolFields:
             return {}
         if not forces.push.any():
             return {name: 0.0 * area_ratio for name in names}  # of waste not a number
-        directors = np.concatenate([director, *np.einsum("sc,eci->sei", self._of_samples, director[self._quads])])
+        directors = np.concatenate([director, *at_places(self._of_samples, director, self._quads)])
         # a tool below pushes up, along the director
         below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
         rubbed = np.sqrt(np.einsum("tpi,tpi->tp", forces.drag, forces.drag))

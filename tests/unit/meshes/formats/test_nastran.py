@@ -73,6 +73,10 @@ def test_fields_may_be_full_and_tabs_may_lead_to_them(tmp_path):
     cards = ["GRID    1               -12.3456-98.76541.2345-3", "GRID\t2\t\t-12.345\t0.5\t2.0", "GRID,3,,1.,0.,0."]
     mesh = read(tmp_path, "\n".join([*cards, "CTRIA3,1,1,1,2,3"]))
     assert mesh.vertices.tolist() == [[-12.3456, -98.7654, 1.2345e-3], [-12.345, 0.5, 2.0], [1.0, 0.0, 0.0]]
+    # a full z, and after it the system of the displacements, which is the basic one
+    cards[0] = "GRID    1       0       0.0     0.0     -12.34560"
+    mesh = read(tmp_path, "\n".join([*cards, "CTRIA3,1,1,1,2,3"]))
+    assert mesh.vertices[0].tolist() == [0.0, 0.0, -12.3456]
 
 
 def test_what_meshio_writes(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 from ..guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
+    from ....process.grippers import Gripper
     from ....process.strokes import Motion
     from ...staging.rehearsal import Phase
 
@@ -46,7 +47,14 @@ def _motions(phase: Phase, following: Phase | None) -> Iterator[str]:
         for s, sheet in enumerate(world.sheets):
             after = None if following is None else following.setup.worlds[number].sheets[s].grippers
             for k, gripper in enumerate(sheet.grippers):
-                yield from _motion(gripper.name, gripper.motion, after[k].motion if after else None, phase.end)
+                if not _is_open(gripper, phase.end):
+                    later = after[k].motion if after and not _is_open(after[k], phase.end) else None
+                    yield from _motion(gripper.name, gripper.motion, later, phase.end)
+
+
+def _is_open(gripper: Gripper, time: float) -> bool:
+    """Whether a gripper has opened by a time [s], by itself or at the begin of a stage."""
+    return gripper.release_time is not None and gripper.release_time <= time
 
 
 def _motion(name: str, motion: Motion, later: Motion | None, end: float) -> Iterator[str]:

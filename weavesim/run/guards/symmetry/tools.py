@@ -12,7 +12,7 @@ from ....errors import InputError
 from ....ranges import ACCEPTING
 from ....sheet.symmetry import AXES
 from ...watch.tool_distance import ToolDistances
-from ..closing import surface_of, tool_error
+from ..closing import is_below, surface_of, tool_error
 from ..guard import Doubt, Guard, Level, Start
 
 # How far a tool may be off its mirror image, over the thickness of the thinnest sheet.
@@ -76,6 +76,7 @@ def _looks(start: Start, number: int, first: int, k: int) -> Iterator[Off]:
     whole = start.model.setup.worlds[number]
     nodes = np.concatenate([sheet.blank.node_position for sheet in whole.sheets])
     size = min(float(np.sqrt(sheet.geometry.area.min())) for sheet in start.model.sheets)
+    up = 1.0 if is_below(start, whole, first + k) else -1.0
     points = surface_of(distances, first + k, whole.tools[k], whole.symmetry.mirrored(nodes), size)
     for phase in start.phases:
         tool = phase.setup.worlds[number].tools[k]
@@ -86,7 +87,7 @@ def _looks(start: Start, number: int, first: int, k: int) -> Iterator[Off]:
             place = tool.place_at(time)
             moved = tool.moved(points, place)
             for plane in whole.symmetry.planes:
-                yield from _look(partial(distances, first + k, place), moved, nodes, plane, time)
+                yield from _look(partial(distances, first + k, place), moved, nodes, plane, up, time)
 
 
 def _look(
@@ -94,16 +95,15 @@ def _look(
     points: np.ndarray,
     nodes: np.ndarray,
     plane: str,
+    up: float,
     time: float,
 ) -> Iterator[Off]:
-    """At one time: points beyond a plane that face the sheet, mirrored onto its side."""
+    """At one time: points beyond a plane whose normal is along ``up``, towards the sheet, mirrored onto its side."""
     axis = AXES[plane]
     side = 1.0 if nodes[:, axis].mean() > 0.0 else -1.0
     beyond = points[side * points[:, axis] < 0.0]
     if not len(beyond):
         return
-    # towards the sheet, by the middle of what is looked at
-    up = 1.0 if nodes[:, 2].mean() >= beyond[:, 2].mean() else -1.0
     beyond = beyond[up * distance_of(beyond)[1][:, 2] > LEAST_FACING]
     if not len(beyond):
         return

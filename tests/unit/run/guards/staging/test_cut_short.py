@@ -53,6 +53,7 @@ def test_what_is_not_over_at_the_end_is_noted(given, text):
         {"tools": [ball(Stroke((0.0, 1.0), (0.0, 4e-4), 5.0))]},  # it waits at its force
         {"tools": [ball(Fixed())]},
         {"grippers": [gripped(release_time=0.5 * END)]},
+        {"grippers": [gripped(motion=Stroke((0.0, 2 * END), (0.0, 1e-4)), release_time=0.5 * END)]},
         {"pressures": [Pressure("top", (0.0, 1e3), (0.0, END))]},
     ],
 )
@@ -68,3 +69,9 @@ def test_stages_are_judged_each_by_its_time():
     assert "0.2 of its 0.4 mm are missing, and stage a ends" in note
     ended = Stage("a", END, AtForce("ball", 1.0))
     assert not notes(tools=[ball(motion)], stages=(ended, Stage("b", END, moves={"ball": Fixed()})), duration=2 * END)
+
+
+def test_a_gripper_that_a_stage_opens_is_cut_short_by_the_stage_before():
+    clamp = gripped(motion=Stroke((0.0, 2 * END), (0.0, 1e-4)))
+    (note,) = notes(grippers=[clamp], stages=(Stage("a", END), Stage("b", END, grippers=())), duration=2 * END)
+    assert "clamp is to move until 2e-05 s" in note and "stage a ends" in note

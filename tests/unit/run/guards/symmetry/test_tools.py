@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from tests.support.runs import small_run
 from weavesim import InputError, PathMotion, Stroke, Tool
@@ -78,3 +79,22 @@ def test_turning_about_the_normal_of_the_plane_is_symmetric():
     assert not found(turning((1.0, 0.0, 0.0)))
     with pytest.raises(InputError, match="off its mirror image"):
         found(turning((0.0, 1.0, 0.0)))
+
+
+def test_the_back_of_a_punch_may_be_uneven_however_far_it_is_drawn():
+    block = trimesh.creation.box(extents=(0.06, 0.06, 0.01))
+    step = trimesh.creation.box(extents=(0.02, 0.06, 0.005))
+    step.apply_translation((-0.02, 0.0, 0.0074))
+    both = trimesh.boolean.union([block, step])
+    punch = MeshShape.from_triangles(
+        np.asarray(both.vertices), np.asarray(both.faces), spacing=1e-3, reach=4e-3, origin=(0.0, 0.0, 0.0056)
+    )
+    down = (0.0, 0.0, -1.0)
+    for stroke in (1e-4, 0.02):
+        assert not found(Tool("punch", punch, Stroke((0.0, 1e-5), (0.0, stroke)), axis=down), accept_unusual=True)
+    turned = MeshShape.from_triangles(
+        np.asarray(both.vertices) * (1, 1, -1), np.asarray(both.faces)[:, ::-1], spacing=1e-3, reach=4e-3,
+        origin=(0.0, 0.0, 0.0106),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(Tool("punch", turned, Stroke((0.0, 1e-5), (0.0, 0.02)), axis=down))

@@ -14,6 +14,8 @@ UNSOUGHT = wp.constant(1.0e30)
 _BLOCKS_PER_CALL = 16
 # Penetration of a node that has no foot [m].
 NO_DEPTH = wp.constant(-1000.0)
+# Smallest way of a node without a foot [m]: more than 0 says that it has none.
+LEAST_STRAY = wp.constant(1.0e-12)
 
 
 def blocks_per_call(lane_count: int) -> int:

@@ -24,6 +24,7 @@ from ..lanes import (
     magnitude,
     scale,
     smaller,
+    where_positive,
 )
 from ..operators import div, mul  # noqa: F401
 from ..records import gather4, vector_of
@@ -208,48 +209,65 @@ def bend2(x: Any, d: Any, xi: Any):
 
 
 @wp.func
+def bounded(value: Any, size: Any):
+    """``value`` within +-size; a NaN becomes ``size``."""
+    return larger(smaller(value, size), -size)
+
+
+@wp.func
+def bow(along: Any):
+    """1 - along^2 on the facet, and 0 beyond its edges."""
+    one = fill(along, 1.0)
+    within = bounded(along, one)
+    return one - within * within
+
+
+@wp.func
+def bow_slope(along: Any):
+    """Derivative of ``bow``."""
+    return where_positive(bow(along), fill(along, -2.0) * along, fill(along, 0.0))
+
+
+@wp.func
 def normal_at(x: Any, d: Any, xi: Any, eta: Any):
     """Interpolated normal, of a length near one."""
-    one = fill(xi, 1.0)
-    bent = scale(one - xi * xi, bend1(x, d, eta)) + scale(one - eta * eta, bend2(x, d, xi))
+    bent = scale(bow(xi), bend1(x, d, eta)) + scale(bow(eta), bend2(x, d, xi))
     return patch_at(d, xi, eta) + bent
+
+
+@wp.func
+def rise(along: Any, turn: Any, lean: Any):
+    """Twice the sagitta on a line whose normals turn and lean; straight beyond the edges, with the slope there."""
+    one = fill(along, 1.0)
+    within = bounded(along, one)
+    beyond = along - within
+    return (one - along * along) * turn + lean * ((one - within * within) * within - beyond - beyond)
 
 
 @wp.func
 def sagitta(x: Any, d: Any, xi: Any, eta: Any):
     """Height of the surface that the normals describe over the bilinear facet, along them."""
-    one = fill(xi, 1.0)
-    turn1 = dot(patch_along1(x, eta), patch_along1(d, eta))
-    turn2 = dot(patch_along2(x, xi), patch_along2(d, xi))
-    bow1 = (one - xi * xi) * (turn1 + xi * lean1(x, d, eta))
-    bow2 = (one - eta * eta) * (turn2 + eta * lean2(x, d, xi))
-    return one.dtype(0.5) * (bow1 + bow2)
+    rise1 = rise(xi, dot(patch_along1(x, eta), patch_along1(d, eta)), lean1(x, d, eta))
+    rise2 = rise(eta, dot(patch_along2(x, xi), patch_along2(d, xi)), lean2(x, d, xi))
+    return xi.dtype(0.5) * (rise1 + rise2)
 
 
 @wp.func
 def offset_along1(x: Any, d: Any, xi: Any, eta: Any, g: Any):
     """Derivative by xi of the surface at a height g, as if the bends did not vary across."""
-    two = fill(xi, 2.0)
-    return patch_along1(x, eta) + scale(g, patch_along1(d, eta) - scale(two * xi, bend1(x, d, eta)))
+    return patch_along1(x, eta) + scale(g, patch_along1(d, eta) + scale(bow_slope(xi), bend1(x, d, eta)))
 
 
 @wp.func
 def offset_along2(x: Any, d: Any, xi: Any, eta: Any, g: Any):
     """Derivative by eta, likewise."""
-    two = fill(xi, 2.0)
-    return patch_along2(x, xi) + scale(g, patch_along2(d, xi) - scale(two * eta, bend2(x, d, xi)))
+    return patch_along2(x, xi) + scale(g, patch_along2(d, xi) + scale(bow_slope(eta), bend2(x, d, xi)))
 
 
 @wp.func
 def triple(a: Any, b: Any, c: Any):
     """a . (b x c)."""
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-
-
-@wp.func
-def bounded(value: Any, size: Any):
-    """``value`` within +-size; a NaN becomes ``size``."""
-    return larger(smaller(value, size), -size)
 
 
 @wp.func

@@ -13,7 +13,7 @@ from ..operators import div, mul  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
-from .data import NO_DEPTH, blocks_per_call, contact_law_struct, record_struct, slaves_struct
+from .data import LEAST_STRAY, NO_DEPTH, blocks_per_call, contact_law_struct, record_struct, slaves_struct
 from .facet import facets_struct, normal_at, walk_function
 from .forces import ply_forces_function, ply_forces_struct
 from .stand import (
@@ -61,6 +61,7 @@ def close_books_function(real: type, lane_count: int):
                 velocity[c] = where_positive(pressed, velocity[c], lanes())
             n = normal_at(below.x, below.d, xi, eta)
             leaving = law.side * dot(velocity, n) / square_root(dot(n, n))
+            leaving = where_positive(pressed, leaving, lanes())
             dashpot = record.rows[PlyRow.dashpot, block]
             book(record, block, real(0.5) * place.last_step, drag, dashpot, velocity, leaving)
             growth = touch_distance(law, below, xi, eta) - record.rows[PlyRow.distance, block]
@@ -100,7 +101,7 @@ def meet_plies_kernel(real: type, lane_count: int):
         """1 where a node has its foot, 0 where it has none near; those that have just lost it become strays."""
         tracked = where_positive(stray, lanes(), fill(stray, 1.0))
         lost = wp.cw_mul(tracked, stand.lost)
-        record.rows[PlyRow.stray, block] = where_positive(lost, lanes(real(1.0e-12)), stray)
+        record.rows[PlyRow.stray, block] = where_positive(lost, lanes(real(LEAST_STRAY)), stray)
         return wp.cw_mul(stand.has_foot, tracked)
 
     @wp.func

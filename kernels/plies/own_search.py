@@ -278,14 +278,17 @@ def seek_own_facets_kernel(real: type):
                             look(points, node, facets.member[k, other], limit, found)
 
     @wp.func
-    def seek_near(points: Points, nodes: Bounds, facets: Bounds, group: int, limit: real, found: Found):
+    def seek_near(
+        points: Points, nodes: Bounds, facets: Bounds, group: int, limit: real, reach: real, found: Found
+    ):  # fmt: skip
         """Urgency of groups that hang together with this one."""
         least = real(UNSOUGHT)
         for place in range(points.touching.shape[0]):
             other = points.touching[place, group]
             if other >= 0:
                 way = wp.max(
-                    gap_between(nodes, facets, group, other) - limit, quiet_way(points, nodes, facets, group, other)
+                    gap_between(nodes, facets, group, other) - limit,
+                    quiet_way(points, nodes, facets, group, other) - reach,
                 )
                 if not way > real(0.0):
                     compare(points, nodes, facets, group, other, limit, found)
@@ -320,14 +323,15 @@ def seek_own_facets_kernel(real: type):
         if entry[PassEntry.sought] == wp.float64(0.0):
             return
         group = first_group + wp.tid()
-        limit = points.thickness + points.skin + real(entry[PassEntry.reach])
+        reach = real(entry[PassEntry.reach])
+        limit = points.thickness + points.skin + reach
         for place in range(nodes.member.shape[0]):
             node = nodes.member[place, group]
             if node >= 0:
                 for slot in range(SLOT_COUNT):
                     found.facet[slot, node] = -1
                     found.height[slot, node] = real(UNSOUGHT)
-        found.urgency[group] = seek_near(points, nodes, facets, group, limit, found)
+        found.urgency[group] = seek_near(points, nodes, facets, group, limit, reach, found)
         if entry[PassEntry.sought] == wp.float64(2.0):
             found.far_urgency[group] = seek_far(points, nodes, facets, group, limit, found)
 
@@ -356,10 +360,11 @@ def follow_own_facets_kernel(real: type, lane_count: int):
             return False
         if stray > real(0.0):
             return True
-        # a facet that has come between
+        # a facet that has come between; not while the spring of the last one holds energy
         height = search.thickness - record.rows[PlyRow.depth, block][lane]
         nearer = found.height[search.slot, node] < height - real(NEARER) * search.thickness
-        return nearer and record.standing[block][lane] < 0 and facet != record.facet[block][lane]
+        free = record.standing[block][lane] < 0 and record.rows[PlyRow.push, block][lane] <= real(0.0)
+        return nearer and free and facet != record.facet[block][lane]
 
     @wp.kernel(module="unique", enable_backward=False)
     def follow_own_facets(first_block: wp.int32, search: Search, found: Found, record: Record, watch: Watch):

@@ -14,7 +14,7 @@ from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow
 from ..stepping.step import fold_works_function
-from .data import NO_DEPTH, record_struct
+from .data import LEAST_STRAY, NO_DEPTH, record_struct
 from .facet import facets_struct, patch_at, patch_functions
 
 # Plies may move this much farther until the next update than at their largest speeds now.
@@ -109,6 +109,7 @@ def plan_search_kernel(real: type):
         speed = wp.sqrt(largest(squared_speed)) + wp.sqrt(largest(facet_squared_speed))
         time = clock[ClockEntry.step] * wp.float64(search.steps)
         reach = wp.float64(SPEED_MARGIN) * time * wp.float64(speed)
+        passed = watch.entry[PassEntry.reach]
         watch.entry[PassEntry.reach] = reach
         if search.slot == 0:
             quiet = watch.entry[PassEntry.quiet] - reach
@@ -120,8 +121,9 @@ def plan_search_kernel(real: type):
             watch.entry[PassEntry.sought] = wp.float64(sought)
             # the search needs normals, too
             awake[0] = wp.min(sought, 1)
-        drift = watch.drift[0] + real(reach)
-        # new boxes at this update; they are as old as the reach of the last one then
+        # boxes of the last update have moved in the interval that is over
+        drift = watch.drift[0] + real(passed)
+        # 0: new boxes at this update
         watch.drift[0] = wp.where(drift < search.skin, drift, real(0.0))
 
     return plan_search
@@ -254,7 +256,8 @@ def seek_feet_kernel(real: type, lane_count: int):
             point = vec3(position[0, lane], position[1, lane], position[2, lane])
             feet = record.facet[block]
             facet, way = nearest_facet(facets, search, watch, feet[lane], point)
-            left = wp.max(way, real(0.0))
+            # at the end of the coming interval
+            left = wp.where(way > real(0.0), wp.max(way - reach, real(LEAST_STRAY)), real(0.0))
             if way <= real(0.0):
                 feet[lane] = facet
                 record.facet[block] = feet

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 8
+FILE_VERSION = 9
 
 
 @dataclass(frozen=True)

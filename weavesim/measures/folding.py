@@ -49,13 +49,15 @@ def folded_pairs(position: np.ndarray, quads: np.ndarray, pairs: np.ndarray) -> 
     return cosine < np.cos(np.deg2rad(LARGEST_FOLD))
 
 
-def inverted_elements(position: np.ndarray, director: np.ndarray, blank: Blank) -> np.ndarray:
-    """Which elements are turned over against the directors of their nodes, (element_count,) bool."""
+def facing(position: np.ndarray, director: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Positive where the normal of an element points as the directors of its nodes do, else negative, (element_count,).
 
-    def side(points: np.ndarray, directors: np.ndarray) -> np.ndarray:
-        return np.einsum("ei,ei->e", doubled_normals(points, blank.quads), directors[blank.quads].sum(axis=1))
-
-    return side(position, director) * side(blank.node_position, blank.initial_director) < 0.0
+    Args:
+        position, director: of the nodes, (node_count, 3).
+        quads: (element_count, 4).
+    """
+    along: np.ndarray = np.einsum("ei,ei->e", doubled_normals(position, quads), director[quads].sum(axis=1))
+    return along
 
 
 def beyond_symmetry(position: np.ndarray, blank: Blank, symmetry: Symmetry) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...measures.crossings import Crossings, CrossingsBetween
-from ...measures.folding import beyond_symmetry, folded_elements, folded_pairs, inverted_elements, neighbours
+from ...measures.folding import beyond_symmetry, facing, folded_elements, folded_pairs, neighbours
 from ..frame import SheetFrame, SheetInfo
 from ..staging.part import Part
 
@@ -58,6 +58,7 @@ class Condition:
         self._part, blank = part, part.info.blank
         self._crossings = Crossings(blank.quads, blank.node_count)
         self._neighbours = neighbours(blank.quads)
+        self._flat_facing = facing(blank.node_position, blank.initial_director, blank.quads)
         self._nodes = blank.material_coordinates
         self._centres = self._nodes[blank.quads].mean(axis=1)
 
@@ -73,7 +74,9 @@ class Condition:
         onto = self._neighbours[folded_pairs(frame.position, blank.quads, self._neighbours)]
         concerned = np.union1d(np.flatnonzero(element), onto)
         self.folded = self._counted(self.folded, int(element.sum()) + len(onto), concerned, time)
-        inverted = np.flatnonzero(inverted_elements(frame.position, frame.director, blank))
+        # turned over against their directors
+        now = facing(frame.position, frame.director, blank.quads)
+        inverted = np.flatnonzero(now * self._flat_facing < 0.0)
         self.inverted = self._counted(self.inverted, len(inverted), inverted, time)
         beyond = beyond_symmetry(frame.position, blank, info.symmetry)
         node = int(beyond.argmax())

@@ -72,26 +72,27 @@ def kinked_strip(angle: float) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(corners(line[k : k + 2], 1.0), corners(normals[k : k + 2], 0.0)) for k in (0, 1)]
 
 
-def height_path(share: float, height: float, count: int = 801) -> np.ndarray:
-    """Points over the middle ``share`` of the first facet, (count, 3)."""
-    x = np.linspace(-0.5 - 0.5 * share, -0.5 + 0.5 * share, count)
+def height_path(middle: float, height: float, count: int = 801) -> np.ndarray:
+    """Points over a half of the first facet, (count, 3)."""
+    x = np.linspace(middle - 0.25, middle + 0.25, count)
     return np.column_stack([x, np.full(count, 0.5), np.full(count, height)])
 
 
 @pytest.mark.parametrize("degrees", [0.0, 15.0, 30.0, 45.0])
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_node_that_slides_over_a_facet_and_back_gains_nothing(degrees, side):
+@pytest.mark.parametrize("middle", [-0.5, -1.0])
+def test_a_node_that_slides_over_a_facet_and_back_gains_nothing(degrees, side, middle):
     """Deeper on its way back, where a crease begins: the work around that path, of the energy that the spring holds.
 
-    With bilinear normals it was 0.2 to 2.2 times that energy.
+    Also beyond a free edge. With bilinear normals it was 0.2 to 2.2 times that energy.
     """
     facets = kinked_strip(np.radians(degrees))
     thickness, depth = 0.2, 0.02
-    out = height_path(0.5, side * (thickness - 3.0 * depth))
-    back = height_path(0.5, side * (thickness - 5.0 * depth))[::-1]
+    out = height_path(middle, side * (thickness - 3.0 * depth))
+    back = height_path(middle, side * (thickness - 5.0 * depth))[::-1]
     points = np.concatenate([out, back, out[:1]])
     xi, eta, gap, *normal = feet(*facets[0], points)
-    assert np.abs(eta).max() < 1e-9 and np.abs(xi).max() < 1.0
+    assert np.abs(eta).max() < 1e-9 and np.abs(xi).max() < 1.6
     penetration = thickness - side * gap
     force = side * penetration * np.array(normal)
     work = np.einsum("cn,nc->", 0.5 * (force[:, 1:] + force[:, :-1]), np.diff(points, axis=0))

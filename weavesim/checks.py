@@ -236,6 +236,8 @@ _PLAIN = {
     "finite_number": "a finite number is needed", "int_from_float": "a whole number is needed",
     "string_type": "a text is needed", "tuple_type": "give a list", "literal_error": "one of {expected} is needed",
     "model_type": "a {class_name} is needed", "extra_forbidden": "unknown name",
+    "too_long": "at most {max_length} values are allowed, here are {actual_length}",
+    "dict_type": "a table of names and values is needed", "bool_parsing": "true or false is needed",
 }  # fmt: skip
 
 

@@ -72,7 +72,6 @@ TESTED_ELSEWHERE = {
     "kernels/plies/data.py": PLIES,
     "kernels/plies/forces.py": PLIES,
     "kernels/plies/node_pass.py": PLIES,
-    "kernels/plies/reaction.py": PLIES,
     "kernels/plies/stand.py": PLIES,
     "kernels/plies/normals.py": PLIES,
     "kernels/plies/own_search.py": SELF_CONTACT,

@@ -26,6 +26,8 @@ BROKEN = [
     ('["200 mm", "160 mm"]', '"200 mm"', "rectangle = 0.2: give a list"),
     ('["200 mm", "160 mm"]', '["200 mm", "-160 mm"]', "rectangle.1 = -0.16: a number above 0 is needed"),
     ('["200 mm", "160 mm"]', '["200 mm"]', "rectangle"),
+    ('["200 mm", "160 mm"]', '["200 mm", "160 mm", "2 mm"]', "at most 2 values are allowed, here are 3"),
+    ('offset_of = "die"', 'shape = "Sphere"', "shape = 'Sphere': a table of names and values is needed"),
     ('["200 mm", "160 mm"]', "[200, 160]", "the largest is 200; at most 20 m is allowed: write 0.2 for 200 mm"),
     ('rectangle = ["200 mm", "160 mm"]', "", "rectangle, disc, polygon or outline: one of them is needed, none is given"),
     ('rectangle = ["200 mm"', 'disc = "2 cm"\nrectangle = ["200 mm"', "one of them is needed, rectangle and disc are given"),

@@ -98,12 +98,17 @@ def state_of(folder: Path) -> dict[str, Any]:
         state = {"state": "no run has begun yet"}
     if state.get("state") == "running" and is_locked(folder) is False:
         state["state"] = "stopped without an end: weavesim resume goes on with it"
+    state["page"] = _version(folder)
+    return state
+
+
+def _version(folder: Path) -> str | None:
+    """Of the page as it is now; None for none."""
     try:
         page = (folder / PAGE_NAME).stat()
-        state["page"] = f"{page.st_mtime_ns}-{page.st_size}"
     except OSError:
-        state["page"] = None
-    return state
+        return None
+    return f"{page.st_mtime_ns}-{page.st_size}"
 
 
 def _handler(folder: Path) -> type[BaseHTTPRequestHandler]:
@@ -136,8 +141,10 @@ def _handler(folder: Path) -> type[BaseHTTPRequestHandler]:
 
 
 def _page(folder: Path) -> bytes:
-    """The page of the run, or one that waits for it."""
+    """The page of the run with its version, or one that waits for it."""
+    # taken first: a page that is written meanwhile is looked at once more, not missed
+    version = f'<meta name="weavesim-page" content="{_version(folder)}">\n</head>'
     try:
-        return (folder / PAGE_NAME).read_bytes()
+        return (folder / PAGE_NAME).read_bytes().replace(b"</head>", version.encode(), 1)
     except OSError:
         return files("weavesim.output.run_page").joinpath("waiting.html").read_bytes()

@@ -73,8 +73,8 @@ def groups_that_hang_together(
     next_to = ((of_second @ of_second.T) > 0).astype(np.int32)
     reached = ((of_first @ of_second.T) > 0).astype(np.int32)
     size = max(float(np.median(other_high - other_low)), 1e-12)
-    # a thin group may lie between
-    steps = min(4, int(np.ceil(distance / size))) + 1 if distance > 0.0 else 0
+    # groups between them may be half as wide as most
+    steps = min(8, int(np.ceil(2.0 * distance / size))) + 1 if distance > 0.0 else 0
     for _ in range(steps):
         reached = ((reached @ next_to) > 0).astype(np.int32)
     whole = ~np.array([cut[column[column >= 0]].any() for column in first.T])

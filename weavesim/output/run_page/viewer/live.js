@@ -11,7 +11,8 @@ weavesim.clock = (time) => {
 weavesim.Live = class {
   constructor() {
     this.bar = document.getElementById("live");
-    this.seen = null;
+    // of the page that the server has sent, which may be another one by now
+    this.seen = document.querySelector('meta[name="weavesim-page"]')?.content ?? null;
   }
 
   static get wanted() {
@@ -36,10 +37,9 @@ weavesim.Live = class {
     const state = await (await fetch("progress", { cache: "no-store" })).json();
     this.lost = false;
     this.say(state);
-    if (state.page !== this.seen) {
-      if (this.seen !== null && state.page !== null) await this.renew();
-      this.seen = state.page;
-    }
+    if (state.page === null || state.page === this.seen) return;
+    await this.renew();
+    this.seen = state.page;
   }
 
   say(state) {

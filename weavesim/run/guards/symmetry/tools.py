@@ -104,12 +104,15 @@ def _look(
     beyond = points[side * points[:, axis] < 0.0]
     if not len(beyond):
         return
-    beyond = beyond[up * distance_of(beyond)[1][:, 2] > LEAST_FACING]
+    distance, normal = distance_of(beyond)
+    facing = up * normal[:, 2] > LEAST_FACING
+    beyond = beyond[facing]
     if not len(beyond):
         return
     mirrored = beyond.copy()
     mirrored[:, axis] *= -1.0
-    off = np.abs(distance_of(mirrored)[0])
+    # a point of one part may lie deep in another, where both distances are alike
+    off = np.abs(distance_of(mirrored)[0] - distance[facing])
     worst = int(np.argmax(off))
     x, y, z = beyond[worst].tolist()
     yield Off(float(off[worst]), (x, y, z), time, plane)

@@ -9,7 +9,7 @@ from weavesim import InputError, PathMotion, Stroke, Tool
 from weavesim.process.motions.paths import Rotation
 from weavesim.run.guards import Level
 from weavesim.tools.mesh_tool import MeshShape
-from weavesim.tools.shapes import Sphere
+from weavesim.tools.shapes import Plane, Sphere, Union
 
 AWAY = -0.012 - 0.0006  # the middle of a ball that touches a sheet of 1.2 mm from below
 
@@ -39,6 +39,12 @@ def test_a_tool_off_the_plane_is_refused_with_its_place_and_can_be_accepted():
     (doubt,) = found(ball(x=0.003), accept_unusual=True)
     assert doubt.level == Level.WARNING and doubt.value > 5 * doubt.limit
     assert not found(ball(y=0.003))  # another plane
+
+
+def test_what_lies_deep_in_another_part_of_the_tool_is_silent():
+    """As the lower pole of the dome of the scene diaphragm: its table is all below its middle."""
+    dome = Union((Sphere(0.012, origin=(0.0, 0.0, AWAY)), Plane(origin=(0.0, 0.0, AWAY))))
+    assert not found(Tool("dome", dome), ("x", "y"))
 
 
 def test_a_small_shift_is_within_the_tolerance():

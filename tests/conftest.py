@@ -31,6 +31,7 @@ def pytest_configure(config):
         use_by_default(device)
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
     if "PYTEST_XDIST_WORKER" in os.environ:
         # files with long tests first: workers then end together

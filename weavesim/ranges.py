@@ -304,12 +304,18 @@ def unusual_values(value: Any, place: str = "") -> Iterator[str]:
 
 
 ACCEPTING = "If this is meant, give accept_unusual=True (on the command line --accept-unusual)."
+ACCEPTING_IN_FILE = "If this is meant, write accept_unusual = true in the file."
 # More are not listed.
 LONGEST_LIST = 12
 
 
-def check_usual(value: Any, place: str = "") -> None:
+def check_usual(value: Any, place: str = "", answer: str = ACCEPTING) -> None:
     """Ask about every unusual number within a value.
+
+    Args:
+        value: a value or a tuple of them.
+        place: of the value, in messages.
+        answer: sentence that says how to answer.
 
     Raises:
         ValueError: there are some.
@@ -319,7 +325,7 @@ def check_usual(value: Any, place: str = "") -> None:
         return
     listed = "\n  ".join(found[:LONGEST_LIST] + (["and more"] if len(found) > LONGEST_LIST else []))
     what = "a value is unusual, probably in another unit" if len(found) == 1 else f"{len(found)} values are unusual"
-    raise ValueError(f"{what}:\n  {listed}\n{ACCEPTING}")
+    raise ValueError(f"{what}:\n  {listed}\n{answer}")
 
 
 def read_parameters(kind: type[Kind], path: str | Path, what: str) -> Kind:
@@ -340,8 +346,7 @@ def read_parameters(kind: type[Kind], path: str | Path, what: str) -> Kind:
     try:
         result = kind(**values)
         if not accepts:
-            check_usual(result)
+            check_usual(result, answer=ACCEPTING_IN_FILE)
     except (TypeError, ValueError) as error:
-        answer = "If this is meant, write accept_unusual = true in it."
-        raise InputError(f"{what} {shown(path)}: {str(error).replace(ACCEPTING, answer)}") from None
+        raise InputError(f"{what} {shown(path)}: {error}") from None
     return result

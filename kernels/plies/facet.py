@@ -237,7 +237,7 @@ def normal_at(x: Any, d: Any, xi: Any, eta: Any):
 
 @wp.func
 def rise(along: Any, turn: Any, lean: Any):
-    """Twice the sagitta on a line whose normals turn and lean; straight beyond the edges, with the slope there."""
+    """Twice the sagitta on a line whose normals turn and lean; beyond the edges they only turn on, as on an arc."""
     one = fill(along, 1.0)
     within = bounded(along, one)
     beyond = along - within

@@ -264,15 +264,15 @@ def seek_feet_kernel(real: type, lane_count: int):
         return left
 
     @wp.func
-    def free_way(search: Search, depth: lanes, stray: lanes):
-        """Smallest way that a node of the block has to go before it touches [m]; 0 where that is not known."""
+    def free_way(search: Search, reach: real, depth: lanes, stray: lanes):
+        """Smallest way of a node of the block from the next update on until it touches [m]; 0 where not known."""
         result = real(1.0e30)
         for i in range(lane_count):
             free = stray[i]
             if stray[i] <= real(0.0):
                 free = real(0.0)
                 if depth[i] > real(0.5) * real(NO_DEPTH):
-                    free = real(-0.7) * depth[i] - real(0.2) * search.thickness
+                    free = real(-0.7) * depth[i] - real(0.2) * search.thickness - reach
             result = wp.min(result, free)
         return result
 
@@ -282,7 +282,7 @@ def seek_feet_kernel(real: type, lane_count: int):
         old = record.way[block]
         way = old - reach
         if not old > real(0.0):
-            way = free_way(search, record.rows[PlyRow.depth, block], record.rows[PlyRow.stray, block]) - reach
+            way = free_way(search, reach, record.rows[PlyRow.depth, block], record.rows[PlyRow.stray, block])
         sleeps = way > real(LEAST_UPDATES) * reach and (reach > real(0.0) or search.slot >= 0)
         record.way[block] = wp.where(sleeps, way, real(0.0))
         if old > real(0.0) and not record.way[block] > real(0.0):

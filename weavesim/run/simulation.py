@@ -291,8 +291,9 @@ class Simulation(PreparedOnce):
 
     def enter(self, prepared: Prepared) -> None:
         """Go on in a stage, whose model is on the state of this run."""
+        watch = self.watch  # made now at the latest: it looks at the start of the run with the ledger of then
         self._prepared = prepared
-        self.watch.begin_stage(self.model, self.ledger, self.stages.begin, self.stages.duration)
+        watch.begin_stage(self.model, self.ledger, self.stages.begin, self.stages.duration)
 
     def _finish(self, observer: Observer) -> None:
         observer.finish(self.outcome or Outcome.INTERRUPTED)
@@ -300,8 +301,9 @@ class Simulation(PreparedOnce):
     def take_frame(self) -> Frame:
         """Take a frame of the current state and add it to ``history``, without notifying observers."""
         with exclusive():
+            watch = self.watch
             frame = self.ledger.frame(self.frame.index + 1)
-            self.watch.look(frame, last=True)
+            watch.look(frame, last=True)
             self._publish(frame, (), True)
         return self.frame
 

@@ -125,7 +125,7 @@ class Sheet(Parameters):
 
     def _check_yarns(self, plane: str, on_plane: np.ndarray) -> None:
         """Check that the yarns at a plane of symmetry go on in their mirror image."""
-        quads, warp = self.blank.quads, self.oriented_blank.warp_direction
+        quads, yarns = self.blank.quads, self.oriented_blank
         element, corner = np.nonzero(on_plane[quads] & on_plane[np.roll(quads, -1, axis=1)])
         if not len(element):
             return
@@ -133,20 +133,23 @@ class Sheet(Parameters):
         along = self.blank.node_position[quads[element, (corner + 1) % 4]]
         along = along - self.blank.node_position[quads[element, corner]]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
-        cosine = np.abs(np.einsum("ei,ei->e", warp[element], along))
-        angle = 90.0 - np.degrees(np.arcsin(np.minimum(cosine, 1.0)))
+        warp, weft = (
+            90.0 - np.degrees(np.arcsin(np.minimum(np.abs(np.einsum("ei,ei->e", yarn[element], along)), 1.0)))
+            for yarn in (yarns.warp_direction, yarns.weft_direction)
+        )
         # yarns that curve are at another angle half an element beside the plane
-        limit = LARGEST_LEAN if np.ptp(warp, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
-        leans = np.minimum(angle, 90.0 - angle)
+        limit = LARGEST_LEAN if np.ptp(yarns.warp_direction, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
+        leans = np.maximum(np.minimum(warp, 90.0 - warp), np.minimum(weft, 90.0 - weft))
         lean = float(leans.max())
         if lean <= limit:
             return
-        diagonal = leans.min() >= 45.0 - limit
+        # the mirror image of each family is then the other one
+        diagonal = float(np.abs(warp - weft).max()) <= limit
         if diagonal and families_alike(self.fabric):
             return
-        problem = f"the warp lies at {lean:.4g} degrees to the plane of symmetry {plane} = 0 or to its normal"
+        problem = f"a yarn family lies at {lean:.4g} degrees to the plane of symmetry {plane} = 0 or to its normal"
         if diagonal:
-            problem += ", where its mirror image is the weft, which is not like it"
+            problem += ", where its mirror image is the other one, which is not like it"
         raise ValueError(
             f"sheet {self.name}: {problem}; a plane needs yarns along it or across it, or at 45 degrees if warp and "
             f"weft are alike: leave {plane!r} out of symmetry, and give the whole sheet"

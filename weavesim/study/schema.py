@@ -10,7 +10,7 @@ from ..checks import Finite, NotNegative, Positive
 from ..job.tables import JobTable
 from ..measures.defects.judgement import Limits
 from ..names import Label
-from ..ranges import Quantity
+from ..ranges import ACCEPTING_IN_FILE, Quantity, check_usual
 
 Method = Literal["factorial", "latin-hypercube", "sobol", "optimise"]
 # More runs than this are hardly meant.
@@ -138,11 +138,14 @@ class StudyTable(JobTable):
     measure: tuple[MeasureTable, ...] = Field(default=(), description="[[measure]]")
     noise: NoiseTable | None = Field(default=None, description="[noise]")
     limits: Limits = Field(default=Limits(), description="[limits], of wrinkles and bridging, as weavesim verdict has")
+    accept_unusual: bool = Field(default=False, description="take unusual limits as meant; the job has its own")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if not self.vary:
             raise ValueError("[[vary]]: at least one parameter is needed")
+        if not self.accept_unusual:
+            check_usual(self.limits, "limits", ACCEPTING_IN_FILE)
         if not self.measure:
             raise ValueError("[[measure]]: at least one measure is needed")
         names = [measure.name for measure in self.measure]

@@ -132,7 +132,14 @@ def test_what_is_drawn_twice_is_taken_once(tmp_path):
         space.add_lwpolyline(corners[2:] + corners[:2], close=True)
         space.add_hatch().paths.add_polyline_path(corners[::-1], is_closed=True)
 
-    for draw, holes, count in ((twice, 1, 4), (over, 0, 2)):
+    def slots(space, document):
+        space.add_lwpolyline(corners, close=True)
+        for begin in (0, 2):
+            for x in (-60, -20, 20, 60):
+                slot = [(x, -10), (x + 8, -10), (x + 8, 10), (x, 10)]
+                space.add_lwpolyline(slot[begin:] + slot[:begin], close=True)
+
+    for draw, holes, count in ((twice, 1, 4), (over, 0, 2), (slots, 4, 4)):
         loops = read_drawing(drawing(tmp_path / "blank.dxf", draw))
         assert np.isclose(area(loops.outline), 0.2 * 0.16) and len(loops.holes) == holes
         assert f"{count} lines that are drawn twice left out" in loops.notes[-1]

@@ -148,6 +148,18 @@ def test_yarns_go_on_in_their_mirror_image_or_are_refused(plane, angle, fabric, 
                 sheet.check_symmetry(Symmetry((plane,)))
 
 
+@pytest.mark.parametrize(("warp", "weft", "good"), [(0, 60, False), (60, 90, False), (30, -30, True), (40, -20, False)])
+def test_both_families_go_on_in_their_mirror_image(warp, weft, good):
+    blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.02)
+    yarns = (np.tile((np.cos(a), np.sin(a), 0.0), (blank.element_count, 1)) for a in np.radians((warp, weft)))
+    sheet = Sheet(blank.model_copy(update=dict(zip(("warp_direction", "weft_direction"), yarns, strict=True))), WOVEN)
+    if good:
+        sheet.check_symmetry(Symmetry(("y",)))
+    else:
+        with pytest.raises(ValueError, match="a plane needs yarns along it or across it"):
+            sheet.check_symmetry(Symmetry(("y",)))
+
+
 def test_yarns_that_curve_need_to_be_right_at_the_plane():
     blank = Blank.rectangle((0.0, 0.0), (0.1, 0.1), 0.01)
     around = np.column_stack([-blank.element_centres()[:, 1], blank.element_centres()[:, 0] + 1.0, np.zeros(100)])

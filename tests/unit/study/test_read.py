@@ -85,6 +85,13 @@ def test_tables_that_do_not_fit_together_are_refused(read, old, new, text):
         read(given.replace(old, new))
 
 
+def test_unusual_limits_are_asked_about(read):
+    unusual = GOOD + "\n[limits]\nbridging_gap = 0.05\n"
+    with pytest.raises(InputError, match=r"limits.bridging_gap = 0.05 m: .*(?s:.)*write accept_unusual = true"):
+        read(unusual)
+    assert read("accept_unusual = true\n" + unusual).table.limits.bridging_gap == 0.05
+
+
 def test_options_are_a_study(tmp_path):
     study = study_of_options(tmp_path / "job.toml", ["a.b=1:2:3"], ["x"], ["y"], method="factorial")
     assert [m.goal for m in study.table.measure] == [None, "least"]

@@ -101,7 +101,10 @@ def _solve(points: np.ndarray, corner: np.ndarray, director: np.ndarray) -> np.n
 def _normals(
     xi: np.ndarray, eta: np.ndarray, corner: np.ndarray, director: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Normals (n, 3) as in kernels/plies/facet.py, about their derivatives by xi and eta, and the sagitta (n,) [m]."""
+    """Normals (n, 3) as in kernels/plies/facet.py, about their derivatives by xi and eta, and the sagitta (n,) [m].
+
+    Beyond the edges the quadratic part of the normals is zero, and its part of the sagitta goes on straight.
+    """
     weight, by_xi, by_eta = weights(xi, eta)
     n, sagitta = np.einsum("nc,nci->ni", weight, director), np.zeros_like(xi)
     derivatives = []
@@ -111,11 +114,14 @@ def _normals(
         for (first, second), side in zip(edges, (-1.0, 1.0), strict=True):
             half, mean = 0.5 * (corner[:, second] - corner[:, first]), 0.5 * (director[:, first] + director[:, second])
             leaning = leaning + 0.5 * (1.0 + side * other) * np.einsum("ni,ni->n", half, mean)
+        within = np.clip(own, -1.0, 1.0)
+        bow, slope = 1.0 - within**2, np.where(within == own, -2.0 * own, 0.0)
         bend = -1.5 * (leaning / np.square(along).sum(axis=1))[:, None] * along
         change = np.einsum("nc,nci->ni", by, director)
-        n = n + (1.0 - own**2)[:, None] * bend
-        derivatives.append(change - 2.0 * own[:, None] * bend)
-        sagitta = sagitta + 0.5 * (1.0 - own**2) * (np.einsum("ni,ni->n", along, change) + own * leaning)
+        n = n + bow[:, None] * bend
+        derivatives.append(change + slope[:, None] * bend)
+        lean = leaning * (bow * within - 2.0 * (own - within))
+        sagitta = sagitta + 0.5 * ((1.0 - own**2) * np.einsum("ni,ni->n", along, change) + lean)
     return n, *derivatives, sagitta
 
 

@@ -96,7 +96,10 @@ def _loops(name: str, pieces: Sequence[np.ndarray], notes: list[str]) -> Loops:
             f"at ({x:.4g}, {y:.4g}) mm"
         )
     closed.sort(key=lambda loop: -abs(_area(loop)))
-    single = [loop for k, loop in enumerate(closed) if not k or not _same(loop, closed[k - 1], 10.0 * JOINED * size)]
+    single: list[np.ndarray] = []
+    for loop in closed:
+        if not any(_same(loop, each, 10.0 * JOINED * size) for each in single):
+            single.append(loop)
     again += len(closed) - len(single)
     closed = single
     if again:

@@ -264,15 +264,16 @@ class PathMotion(Motion, Curve):
     @property
     def duration(self) -> float:
         """Time after which nothing changes [s]."""
-        return max(self.along.duration, self._carrying_time)
+        return max(self.along.duration, self.carrying_time)
 
     @property
     def travel_time(self) -> float:
         """Time after which path and rotation are over, and a stroke along the axis [s]."""
-        return max(self.along.travel_time, self._carrying_time)
+        return max(self.along.travel_time, self.carrying_time)
 
     @property
-    def _carrying_time(self) -> float:
+    def carrying_time(self) -> float:
+        """Time after which path and rotation are over [s]."""
         of_turn = self.rotation.times[-1] if self.rotation else 0.0
         return max(of_turn, self.times[-1] if self.times else 0.0)
 

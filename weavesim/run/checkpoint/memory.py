@@ -75,4 +75,6 @@ def recall(simulation: Simulation, content: Content) -> None:
         raise DamageError(f"its {error}") from None
     simulation.watch.recall(memory["watch"])
     simulation.prepare().guards.recall(memory["guards"], values["time"])
+    # a look before the next step reads what the last frame has found of the state
+    simulation.ledger.frame(simulation.frame.index)
     simulation.wall_time, simulation.stepping_time = memory["wall_time"], memory["stepping_time"]

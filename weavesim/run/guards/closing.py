@@ -224,7 +224,7 @@ def smallest_gap(
             at = [tool.place_at(float(time)) for tool in tools]
             for one, other in ((0, 1), (1, 0)):
                 moved = tools[one].moved(points[one], at[one])
-                within = _over(moved, nodes)
+                within = is_over(moved, nodes)
                 if within.any():
                     found = distances(first + pair[other], at[other], moved[within])[0]
                     x, y, z = moved[within][int(np.argmin(found))].tolist()
@@ -243,7 +243,7 @@ def _turns(tool: Tool) -> np.ndarray:
     return np.concatenate([extremes, *(times[:: max(1, -(-len(times) // PLACE_COUNT))] for times in knots)])
 
 
-def _over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+def is_over(points: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Whether each point is over the plan of the flat blank, (n,) bool."""
     lower, upper = nodes[:, :2].min(axis=0), nodes[:, :2].max(axis=0)
     return np.all((points[:, :2] >= lower) & (points[:, :2] <= upper), axis=1)
@@ -276,7 +276,7 @@ def _spread(triangles: Triangles, nodes: np.ndarray, size: float) -> np.ndarray:
         weight = np.column_stack([i[inside], j[inside], count - i[inside] - j[inside]]) / count
         found.append(np.einsum("wc,tci->twi", weight, corners[division == count]).reshape(-1, 3))
     points = np.concatenate(found)
-    points = points[_over(points, nodes)]
+    points = points[is_over(points, nodes)]
     return points[:: max(1, -(-len(points) // LARGEST_POINT_COUNT))]
 
 

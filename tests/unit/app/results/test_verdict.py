@@ -50,7 +50,7 @@ def test_limits_in_another_unit_are_refused(tmp_path, text, message):
 
 def test_unusual_limits_are_taken_where_the_file_says_so(tmp_path):
     (tmp_path / "limits.toml").write_text("bridging_gap = 0.05")
-    with pytest.raises(InputError, match="write accept_unusual = true in it"):
+    with pytest.raises(InputError, match="write accept_unusual = true in the file"):
         read_limits(tmp_path / "limits.toml")
     (tmp_path / "limits.toml").write_text("accept_unusual = true\nbridging_gap = 0.05")
     assert read_limits(tmp_path / "limits.toml").bridging_gap == 0.05

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....process.motions.paths import PathMotion
 from ..guard import Doubt, Guard, Level, Start
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 # Share of a way, or of a pressure, that may be missing unnoticed.
 LARGEST_LACK = 0.01
+# Of the end of a stage.
+ROUNDING = 1.0e-9
 
 
 class CutShort(Guard):
@@ -58,26 +61,40 @@ def _is_open(gripper: Gripper, time: float) -> bool:
 
 
 def _motion(name: str, motion: Motion, later: Motion | None, end: float) -> Iterator[str]:
-    if motion.by_force or motion.limiting_force or motion.travel_time <= end or _goes_on(motion, later):
+    if _goes_on(motion, later):
         return
-    ways = motion.curve()[1]
-    whole = float(np.ptp(np.append(ways, 0.0)))
-    lack = abs(float(ways[-1]) - motion.displacement_at(end))
-    if lack > LARGEST_LACK * whole > 0.0:
-        yield (
-            f"{name} is to move until {motion.travel_time:.4g} s, {1e3 * lack:.4g} of its {1e3 * whole:.4g} mm are "
-            "missing"
-        )
-    elif motion.is_carried:
-        yield f"{name} is to move along its path or to turn until {motion.travel_time:.4g} s"
+    along = motion.along_axis
+    if not (along.by_force or along.limiting_force) and along.travel_time > end:
+        times, ways = along.curve()
+        whole = float(np.ptp(np.append(ways, 0.0)))
+        lack, _ = _largest_lack(times, ways, end, along.displacement_at(end))
+        if lack > LARGEST_LACK * whole > 0.0:
+            yield (
+                f"{name} is to move until {along.travel_time:.4g} s, {1e3 * lack:.4g} of its {1e3 * whole:.4g} mm are "
+                "missing"
+            )
+    if isinstance(motion, PathMotion) and motion.carrying_time > end * (1.0 + ROUNDING):
+        yield f"{name} is to move along its path or to turn until {motion.carrying_time:.4g} s"
+
+
+def _largest_lack(times: Sequence[float], values: Sequence[float], end: float, now: float) -> tuple[float, int]:
+    """How far what is to come is from what is there at the end, and at which of the times."""
+    apart = np.where(np.asarray(times) > end, np.abs(np.asarray(values) - now), 0.0)
+    k = int(np.argmax(apart))
+    return float(apart[k]), k
 
 
 def _goes_on(motion: Motion, later: Motion | None) -> bool:
     """Whether a motion is that of the next stage too, which may be given in another way."""
-    if later is None or later.by_force:
+    if later is None:
         return False
-    same_end = later.travel_time == motion.travel_time and later.curve()[1][-1] == motion.curve()[1][-1]
-    return later == motion or same_end
+    own, next_one = PathMotion.of(motion), PathMotion.of(later)
+    if next_one == own:
+        return True
+    a, b = own.along, next_one.along
+    if a.by_force or b.by_force or next_one.model_copy(update={"along": a}) != own:
+        return False
+    return b.travel_time == a.travel_time and bool(b.curve()[1][-1] == a.curve()[1][-1])
 
 
 def _loads(phase: Phase, following: Phase | None) -> Iterator[str]:
@@ -87,11 +104,12 @@ def _loads(phase: Phase, following: Phase | None) -> Iterator[str]:
             for pressure in sheet.pressures:
                 if pressure in later:
                     continue
-                now, last = float(np.interp(phase.end, pressure.times, pressure.pressures)), pressure.pressures[-1]
-                if abs(last - now) > LARGEST_LACK * max(abs(value) for value in pressure.pressures):
+                now = float(np.interp(phase.end, pressure.times, pressure.pressures))
+                lack, k = _largest_lack(pressure.times, pressure.pressures, phase.end, now)
+                if lack > LARGEST_LACK * max(abs(value) for value in pressure.pressures):
                     yield (
-                        f"the pressure on the {pressure.face} of {sheet.name} is to reach {last:.4g} Pa at "
-                        f"{pressure.times[-1]:.4g} s, it is at {now:.4g} Pa"
+                        f"the pressure on the {pressure.face} of {sheet.name} is to reach {pressure.pressures[k]:.4g} "
+                        f"Pa at {pressure.times[k]:.4g} s, it is at {now:.4g} Pa"
                     )
             if following is None:
                 for gripper in sheet.grippers:

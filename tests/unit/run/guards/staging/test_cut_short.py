@@ -3,11 +3,14 @@
 import pytest
 
 from tests.support.runs import small_run
-from weavesim import AtForce, Fixed, Gripper, PathMotion, Pressure, Stage, Stroke, Tool
+from weavesim import AtForce, Fixed, ForceDriven, Gripper, PathMotion, Pressure, Stage, Stroke, Tool
 from weavesim.run.guards import Level
 from weavesim.tools.shapes import Sphere
 
 END = 1e-5
+
+
+FORCE = ForceDriven.constant(1.0, 1e-3)
 
 
 def ball(motion):
@@ -33,6 +36,11 @@ def gripped(**given):
             {"tools": [ball(PathMotion((0.0, 2 * END), ((0.0, 0.0, 0.0), (1e-4, 0.0, 0.0))))]},
             "ball is to move along its path or to turn until 2e-05 s",
         ),
+        (
+            {"tools": [ball(PathMotion((0.0, 2 * END), ((0.0, 0.0, 0.0), (1e-4, 0.0, 0.0)), None, FORCE))]},
+            "ball is to move along its path or to turn until 2e-05 s",
+        ),
+        ({"tools": [ball(Stroke((0.0, 4 * END, 8 * END), (0.0, 4e-4, 0.0)))]}, "0.3 of its 0.4 mm are missing"),
         ({"grippers": [gripped(motion=Stroke((0.0, 2 * END), (0.0, 1e-4)))]}, "clamp is to move until 2e-05 s"),
         ({"grippers": [gripped(release_time=1.0)]}, "clamp is to open at 1 s, and the run ends at 1e-05 s"),
         (
@@ -52,6 +60,16 @@ def test_what_is_not_over_at_the_end_is_noted(given, text):
         {"tools": [ball(Stroke((0.0, END), (0.0, 4e-4)))]},
         {"tools": [ball(Stroke((0.0, 1.0), (0.0, 4e-4), 5.0))]},  # it waits at its force
         {"tools": [ball(Fixed())]},
+        # the path is over, and of the stroke almost nothing is left
+        {
+            "tools": [
+                ball(
+                    PathMotion(
+                        (0.0, END), ((0.0, 0.0, 0.0), (1e-4, 0.0, 0.0)), None, Stroke((0.0, 1.001 * END), (0.0, 4e-4))
+                    )
+                )
+            ]
+        },
         {"grippers": [gripped(release_time=0.5 * END)]},
         {"grippers": [gripped(motion=Stroke((0.0, 2 * END), (0.0, 1e-4)), release_time=0.5 * END)]},
         {"pressures": [Pressure("top", (0.0, 1e3), (0.0, END))]},

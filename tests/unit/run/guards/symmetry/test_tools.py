@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from tests.support.runs import small_run
-from weavesim import InputError, PathMotion, Stroke, Tool
+from weavesim import ForceDriven, InputError, PathMotion, Stroke, Tool
 from weavesim.process.motions.paths import Rotation
 from weavesim.run.guards import Level
 from weavesim.tools.mesh_tool import MeshShape
@@ -104,3 +104,35 @@ def test_the_back_of_a_punch_may_be_uneven_however_far_it_is_drawn():
     )  # fmt: skip
     with pytest.raises(InputError, match="off its mirror image"):
         found(Tool("punch", turned, Stroke((0.0, 1e-5), (0.0, 0.02)), axis=down))
+
+
+def test_a_pair_of_tools_is_its_own_mirror_image():
+    def clamp(name, x):
+        return Tool(name, Sphere(0.004, origin=(x, 0.01, -0.0046)), Stroke((0.0, 1e-5), (0.0, 1e-4)))
+
+    def doubts(*tools):
+        run = small_run(tools=tools, symmetry=("x",))
+        return [doubt for doubt in run.doubts() if doubt.guard == "tool_symmetry"]
+
+    assert not doubts(clamp("right", 0.01), clamp("left", -0.01))
+    with pytest.raises(InputError, match="left: at .* off its mirror image"):
+        doubts(clamp("right", 0.01), clamp("left", -0.007))
+    with pytest.raises(InputError, match="left: at .* off its mirror image"):
+        doubts(clamp("left", -0.01))
+
+
+def test_a_tool_that_comes_from_beside_or_goes_there_is_looked_at_over_the_sheet():
+    def carried(begin, end):
+        path = PathMotion((0.0, 1e-5), ((begin, 0.0, 0.0), (end, 0.0, 0.0)))
+        return Tool("ball", Sphere(0.004, origin=(0.0, 0.01, -0.0046)), path)
+
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(carried(0.3, -0.005))
+    assert not found(carried(0.02, 0.3))
+
+
+def test_a_force_along_a_leaning_axis_moves_off_the_plane():
+    force = ForceDriven.constant(1.0, 1e-3)
+    assert not found(ball(motion=force))
+    with pytest.raises(InputError, match="off its mirror image"):
+        found(ball(motion=force, axis=(0.6, 0.0, 0.8)))

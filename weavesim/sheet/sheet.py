@@ -31,7 +31,7 @@ LARGEST_USUAL_THICKNESS = 0.25
 SMALLEST_FLAT_AREA = 0.5
 # Angle of the yarns to a plane of symmetry or to its normal [degrees]: of straight ones, and of ones that curve.
 LARGEST_LEAN = 0.1
-LARGEST_CURVED_LEAN = 3.0
+LARGEST_CURVED_LEAN = 6.0
 
 
 class Sheet(Parameters):
@@ -137,7 +137,7 @@ class Sheet(Parameters):
             90.0 - np.degrees(np.arcsin(np.minimum(np.abs(np.einsum("ei,ei->e", yarn[element], along)), 1.0)))
             for yarn in (yarns.warp_direction, yarns.weft_direction)
         )
-        # yarns that curve are at another angle half an element beside the plane
+        # yarns that curve are at another angle half an element beside the plane: of eight elements in a quadrant 5.6
         limit = LARGEST_LEAN if np.ptp(yarns.warp_direction, axis=0).max() < 1e-9 else LARGEST_CURVED_LEAN
         leans = np.maximum(np.minimum(warp, 90.0 - warp), np.minimum(weft, 90.0 - weft))
         lean = float(leans.max())

@@ -40,7 +40,7 @@ def test_locking_is_bounded_by_the_yarns():
 
 
 def test_parameters_cannot_be_changed():
-    with pytest.raises(Exception, match="frozen"):
+    with pytest.raises(InputError, match="thickness does not change once it is made; model_copy"):
         glass_polypropylene().thickness = 1.0
 
 

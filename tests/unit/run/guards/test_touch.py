@@ -8,7 +8,7 @@ from weavesim.process.dynamics import Dynamics
 from weavesim.process.stages import Stage
 from weavesim.process.strokes import ForceDriven, Stroke
 from weavesim.run.frame import Outcome
-from weavesim.run.guards import Level
+from weavesim.run.guards import Level, verdict_of
 from weavesim.tools.mesh_tool import MeshShape
 from weavesim.tools.shapes import Plane, Sphere, rotation_matrix
 from weavesim.tools.tool import Tool
@@ -46,7 +46,7 @@ def test_a_tool_that_cannot_meet_the_sheet_is_told_before(name):
     run = small_run(tools=[tool], duration=1e-3, frame_count=1)
     (warning,) = run.warnings
     assert warning.startswith(f"{tool.name}: it stays") and "never meet the sheet" in warning
-    assert run.verdict == "doubtful"
+    assert verdict_of(run.doubts()) == "doubtful"
 
 
 def test_a_punch_that_never_touched_makes_a_result_useless():

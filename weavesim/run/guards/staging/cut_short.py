@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ....process.motions.paths import PathMotion
 from ..guard import Doubt, Guard, Level, Start
@@ -77,7 +78,7 @@ def _motion(name: str, motion: Motion, later: Motion | None, end: float) -> Iter
         yield f"{name} is to move along its path or to turn until {motion.carrying_time:.4g} s"
 
 
-def _largest_lack(times: Sequence[float], values: Sequence[float], end: float, now: float) -> tuple[float, int]:
+def _largest_lack(times: ArrayLike, values: ArrayLike, end: float, now: float) -> tuple[float, int]:
     """How far what is to come is from what is there at the end, and at which of the times."""
     apart = np.where(np.asarray(times) > end, np.abs(np.asarray(values) - now), 0.0)
     k = int(np.argmax(apart))

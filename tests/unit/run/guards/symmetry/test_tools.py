@@ -127,8 +127,8 @@ def test_a_tool_that_comes_from_beside_or_goes_there_is_looked_at_over_the_sheet
         return Tool("ball", Sphere(0.004, origin=(0.0, 0.01, -0.0046)), path)
 
     with pytest.raises(InputError, match="off its mirror image"):
-        found(carried(0.3, -0.005))
-    assert not found(carried(0.02, 0.3))
+        found(carried(0.1, -0.005))
+    assert not found(carried(0.02, 0.12))
 
 
 def test_a_force_along_a_leaning_axis_moves_off_the_plane():

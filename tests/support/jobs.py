@@ -40,6 +40,14 @@ frame_count = 10
 """
 
 
+def changed(text: str, *changes: tuple[str, str], count: int = -1) -> str:
+    """A job with other texts in it, which must be there; ``count`` of each, or all."""
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, count)
+    return text
+
+
 def section(half: float, fillet: float, entry: float, depth: float, draft: float, steps: int) -> np.ndarray:
     """Half of a tray's section from its middle to its rim: (k, 2) distances from the middle and heights.
 

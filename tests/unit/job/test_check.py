@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, tray_surface, write_stl, write_tray
+from tests.support.jobs import TRAY, changed, tray_surface, write_stl, write_tray
 from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
 from weavesim.job.check import check_setup, table_of
@@ -11,10 +11,7 @@ from weavesim.job.read import read_job
 
 
 def rows_of(folder, *changes):
-    text = TRAY
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
+    text = changed(TRAY, *changes)
     checked = check_setup(setup_of(read_job(write_tray(folder, text))))
     return checked, {(row.topic, row.what): row for row in checked.rows}
 

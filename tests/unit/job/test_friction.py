@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.support.jobs import write_tray
+from tests.support.jobs import changed, write_tray
 from weavesim import Coulomb, InputError, PressureFriction, StribeckFriction, ViscousFilm, YarnAngleFriction
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
@@ -30,11 +30,7 @@ duration = "5 ms"
 
 
 def stack(folder, *changes):
-    text = STACK
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return setup_of(read_job(write_tray(folder, text)))
+    return setup_of(read_job(write_tray(folder, changed(STACK, *changes))))
 
 
 def test_numbers_are_coefficients(tmp_path):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, changed, write_tray
 from weavesim import InputError
 from weavesim.engine.staging.derive import acting_of, planned_begins, stage_setup
 from weavesim.job.build import setup_of
@@ -22,11 +22,7 @@ length = "80 mm"
 
 
 def setup_with(folder, text, *changes):
-    job = TRAY + text
-    for old, new in changes:
-        assert old in job
-        job = job.replace(old, new)
-    return setup_of(read_job(write_tray(folder, job)))
+    return setup_of(read_job(write_tray(folder, changed(TRAY + text, *changes))))
 
 
 def test_four_corner_springs_with_a_force_limit(tmp_path):

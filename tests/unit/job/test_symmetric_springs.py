@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.support.jobs import changed
 from weavesim import InputError
 from weavesim.job.build import setup_of
 from weavesim.job.loads import corners_of
@@ -29,11 +30,7 @@ largest_force = "10 N"
 
 
 def grippers_of(folder, place, *changes):
-    text = QUARTER + place
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    (folder / "job.toml").write_text(text, encoding="utf-8")
+    (folder / "job.toml").write_text(changed(QUARTER + place, *changes), encoding="utf-8")
     sheet = setup_of(read_job(folder / "job.toml")).sheet
     return sheet, sheet.grippers
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, changed, write_tray
 from weavesim import AtForce, AtRest, AtStroke, Fixed, ForceDriven, InputError, Pressure, Setup, Stage, Stroke
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
@@ -67,10 +67,7 @@ speed = "20 mm/s"
 
 
 def setup_with(folder, stages, *changes):
-    text = TRAY + stages
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
+    text = changed(TRAY + stages, *changes, count=1)
     return setup_of(read_job(write_tray(folder, text)))
 
 

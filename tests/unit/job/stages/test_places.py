@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, changed, write_tray
 from weavesim import AtForce, AtRest, AtStroke, Fixed, ForceDriven, InputError, Stage, Stroke
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
@@ -86,10 +86,7 @@ speed = "0.5 m/s"
 
 
 def setup_with(folder, *changes, more=""):
-    text = TRAY + STAGES + more
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
+    text = changed(TRAY + STAGES + more, *changes, count=1)
     return setup_of(read_job(write_tray(folder, text)))
 
 

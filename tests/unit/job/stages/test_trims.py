@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.jobs import TRAY, write_tray
+from tests.support.jobs import TRAY, changed, write_tray
 from weavesim import FrictionOf, InputError
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
@@ -24,10 +24,7 @@ TRIM
 
 
 def setup_with(folder, trim, *changes):
-    text = TRAY + STAGES.replace("TRIM", trim)
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new, 1)
+    text = changed(TRAY + STAGES.replace("TRIM", trim), *changes, count=1)
     return setup_of(read_job(write_tray(folder, text)))
 
 

@@ -34,7 +34,7 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
         for thread_count in (int(count) for count in threads.split(",")):
             started = time.perf_counter()
             simulation = CASES[case](precision=precision, threads=thread_count, device=device)
-            setup = time.perf_counter() - started
+            setup = time.perf_counter() - started - simulation.stepper.loading_time
             warm_up(simulation)
             variants.append((thread_count, simulation, setup, []))
         for _ in range(turns):
@@ -48,7 +48,7 @@ def worker(case: str, precisions: str, threads: str, device: str, seconds: float
                     "precision": precision,
                     "threads": thread_count, "device": device, "avx512": avx512,
                     "lanes": simulation.stepper.model.lane_count,
-                    "setup_s": setup - simulation.stepper.loading_time,
+                    "setup_s": setup,
                     "kernels_s": simulation.stepper.loading_time,
                     "step_us": 1e6 * step, "median_step_us": 1e6 * float(np.median(times)),
                     "rate": count / step, "moved_bytes": moved_bytes(simulation),

@@ -14,6 +14,7 @@ from ...kernels.plies.collect import (
     settle_own_search_kernel,
     sum_up_kernel,
     survey_groups_kernel,
+    watch_speed_kernel,
 )
 from ...kernels.plies.mirror import meet_mirror_kernel, watch_mirror_kernel
 from ...kernels.plies.node_pass import meet_plies_kernel
@@ -28,7 +29,6 @@ from ...kernels.plies.search import (
     bound_facets_kernel,
     plan_search_kernel,
     seek_feet_kernel,
-    watch_speed_kernel,
 )
 
 

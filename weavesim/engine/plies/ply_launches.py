@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import warp as wp
 
-from ...kernels.plies.collect import group_speed_kernel
+from ...kernels.plies.collect import group_speed_kernel, watch_speed_kernel
 from ...kernels.plies.own_search import SLOT_COUNT
-from ...kernels.plies.search import watch_speed_kernel
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
@@ -63,7 +62,11 @@ class PlyLaunches:
             if each.place.slot == 0
         }
 
-        self._mirrored = {each.place.slave for each in model.passes if each.place.plane}
+        # feet on other plies, and at planes, are found with the normals of the update
+        self._always = {each.place.slave for each in model.passes if each.place.plane} | {
+            each.place.master for each in model.passes if each.place.slot < 0 and not each.place.plane
+        }
+        self._sought = sorted(self._always | set(self._own))
 
     def __bool__(self) -> bool:
         return bool(self._passes)
@@ -115,9 +118,9 @@ class PlyLaunches:
         yield
         for each in self._passes:
             each.bound(*chunks(each.facet_group_count, thread_count)[thread])
-        for index in self._own:
+        for index in self._sought:
             count = self._model.sheets[index].block_count
-            self._normals[index].launch(*chunks(count, thread_count)[thread], always=index in self._mirrored)
+            self._normals[index].launch(*chunks(count, thread_count)[thread], always=index in self._always)
         yield
         yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:

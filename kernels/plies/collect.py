@@ -10,9 +10,10 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_types
+from ..lanes import dot, lane_maximum, lane_types
 from ..pass_entries import PassEntry
-from ..rows import PlyRow
+from ..records import record3
+from ..rows import MOTION_RECORD_LENGTH, MotionRow, PlyRow
 from .data import TOO_MANY, UNSOUGHT, listed_struct, record_struct
 from .facet import facets_struct
 from .search import search_struct, watch_struct
@@ -36,6 +37,20 @@ def survey_struct(real: type):
         )  # [group of nodes]: how many have just found a foot; then the place of the first
 
     return Survey
+
+
+@cache
+def watch_speed_kernel(real: type, lane_count: int):
+    """Kernel over blocks of nodes of a sheet: their largest squared speed [m^2/s^2]."""
+    lanes = lane_types(real, lane_count).lanes
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def watch_speed(first_block: wp.int32, motion: wp.array2d(dtype=lanes), squared_speed: wp.array(dtype=real)):
+        block = first_block + wp.tid()
+        velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
+        squared_speed[block] = lane_maximum(dot(velocity, velocity))
+
+    return watch_speed
 
 
 @cache
@@ -277,18 +292,18 @@ def adopt_lists_kernel(real: type, lane_count: int):
 
 @cache
 def begin_travel_kernel(real: type, lane_count: int):
-    """Kernel over blocks of nodes: their ways begin anew with the lists; those without lists yet wait for the next."""
-    lanes = lane_types(real, lane_count).lanes
-    Search, Watch, Record = search_struct(real), watch_struct(real), record_struct(real, lane_count)
+    """Kernel over blocks of nodes: their ways begin anew with the lists."""
+    Watch, Record = watch_struct(real), record_struct(real, lane_count)
 
     @wp.kernel(module="unique", enable_backward=False)
-    def begin_travel(first_block: wp.int32, search: Search, watch: Watch, record: Record):
+    def begin_travel(first_block: wp.int32, watch: Watch, record: Record):
         block = first_block + wp.tid()
         if watch.entry[PassEntry.rebuild] != wp.float64(0.0):
-            travel = lanes()
+            travel = record.rows[PlyRow.travel, block]
             for i in range(lane_count):
-                if watch.found[block * lane_count + i] == 1 and search.slot < 0:
-                    travel[i] = search.skin
+                # ``seek_feet`` has told those of nodes that have just found a foot
+                if watch.found[block * lane_count + i] == 0:
+                    travel[i] = real(0.0)
             record.rows[PlyRow.travel, block] = travel
 
     return begin_travel

@@ -105,12 +105,12 @@ def meet_plies_kernel(real: type, lane_count: int):
         return wp.cw_mul(stand.has_foot, tracked)
 
     @wp.func
-    def restrict(stand: Stand, has_foot: lanes):
-        """``stand`` with these feet only."""
+    def restrict(stand: Stand, has_foot: lanes, stray: lanes):
+        """``stand`` with these feet only; those that follow a facet without one, as beside it, move along it, too."""
         stand.has_foot = has_foot
         stand.depth = where_positive(has_foot, stand.depth, lanes(real(NO_DEPTH)))
         for c in range(3):
-            stand.velocity[c] = where_positive(has_foot, stand.velocity[c], lanes())
+            stand.velocity[c] = where_positive(stray, lanes(), stand.velocity[c])
         return stand
 
     @wp.func
@@ -173,7 +173,7 @@ def meet_plies_kernel(real: type, lane_count: int):
             has_foot = keep_stray(record, block, stand, record.rows[PlyRow.stray, block])
             if slaves.facing != real(0.0):
                 has_foot = admit(slaves, facets, facet, block, below, stand, has_foot)
-            stand = restrict(stand, has_foot)
+            stand = restrict(stand, has_foot, record.rows[PlyRow.stray, block])
             forces = forces_of(slaves, facets, law, place, facet, stand, record)
             old_push = record.rows[PlyRow.push, block]
             worked = real(0.5) * (old_push + forces.push) * growth

@@ -8,7 +8,7 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, lane_maximum, lane_types
+from ..lanes import lane_maximum, lane_types
 from ..operators import div, mul  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
@@ -16,6 +16,7 @@ from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRo
 from ..stepping.step import fold_works_function
 from .data import LEAST_STRAY, NO_DEPTH, record_struct
 from .facet import facets_struct, patch_at, patch_functions
+from .stand import settle_function
 
 # Plies may move this much farther until the next update than at their largest speeds now.
 SPEED_MARGIN = wp.constant(2.0)
@@ -62,20 +63,6 @@ def watch_struct(real: type):
         radius: wp.array(dtype=real)  # [group]: largest radius of a facet [m]
 
     return Watch
-
-
-@cache
-def watch_speed_kernel(real: type, lane_count: int):
-    """Kernel over blocks of nodes of a sheet: their largest squared speed [m^2/s^2]."""
-    lanes = lane_types(real, lane_count).lanes
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def watch_speed(first_block: wp.int32, motion: wp.array2d(dtype=lanes), squared_speed: wp.array(dtype=real)):
-        block = first_block + wp.tid()
-        velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
-        squared_speed[block] = lane_maximum(dot(velocity, velocity))
-
-    return watch_speed
 
 
 @cache
@@ -232,13 +219,66 @@ def nearest_facet_function(real: type):
 
 
 @cache
+def new_feet_functions(real: type, lane_count: int):
+    """wp.funcs that write the feet of nodes that have just found one: within a sheet, and on another."""
+    lanes = lane_types(real, lane_count).lanes
+    Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
+    Record, settle = record_struct(real, lane_count), settle_function(real, lane_count)
+
+    @wp.func
+    def take_own_feet(record: Record, block: int, watch: Watch):
+        """Within a sheet, feet have been found before."""
+        travel = record.rows[PlyRow.travel, block]
+        force = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)
+        drag = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)
+        for i in range(lane_count):
+            node = block * lane_count + i
+            if watch.found[node] == 1:
+                travel[i] = real(0.0)
+                force[SCALAR, i] = watch.foot[node][0]
+                drag[SCALAR, i] = watch.foot[node][1]
+        record.rows[PlyRow.travel, block] = travel
+        store_record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block, vector_of(force), force[SCALAR])
+        store_record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block, vector_of(drag), drag[SCALAR])
+
+    @wp.func
+    def settle_feet(
+        facets: Facets, search: Search, motion: wp.array2d(dtype=lanes), record: Record, block: int, watch: Watch,
+        wakes: int,
+    ):  # fmt: skip
+        """Find the feet of nodes that the old lists may lack: those are listed as ones that have just found a foot."""
+        stray = record.rows[PlyRow.stray, block]
+        travel = record.rows[PlyRow.travel, block]
+        chosen = lanes()
+        for i in range(lane_count):
+            node = block * lane_count + i
+            if not stray[i] > real(0.0):
+                if travel[i] >= search.skin:
+                    watch.found[node] = 1
+                chosen[i] = real(wp.max(watch.found[node], wakes))
+        if lane_maximum(chosen) > real(0.0):
+            before = record.facet[block]
+            under_way = settle(facets, motion, record, block, chosen)
+            for i in range(lane_count):
+                node = block * lane_count + i
+                if record.facet[block][i] != before[i]:
+                    watch.found[node] = 1
+                if watch.found[node] == 1:
+                    travel[i] = search.skin * under_way[i]
+            record.rows[PlyRow.travel, block] = travel
+
+    return take_own_feet, settle_feet
+
+
+@cache
 def seek_feet_kernel(real: type, lane_count: int):
     """Kernel over blocks of nodes: which blocks to watch, and feet for nodes that have none."""
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record = record_struct(real, lane_count)
-    vectors, _, _, _ = patch_functions(real, lane_count)
+    vectors = patch_functions(real, lane_count)[0]
+    take_own_feet, settle_feet = new_feet_functions(real, lane_count)
     nearest_facet, fold_works = nearest_facet_function(real), fold_works_function(real, lane_count)
 
     @wp.func
@@ -278,30 +318,34 @@ def seek_feet_kernel(real: type, lane_count: int):
 
     @wp.func
     def watch_block(search: Search, reach: real, record: Record, block: int):
-        """Whether the block is watched until the next update; one that wakes is listed anew at that."""
+        """1 if the block wakes; it is watched until the next update where its way is 0."""
         old = record.way[block]
         way = old - reach
         if not old > real(0.0):
             way = free_way(search, reach, record.rows[PlyRow.depth, block], record.rows[PlyRow.stray, block])
         sleeps = way > real(LEAST_UPDATES) * reach and (reach > real(0.0) or search.slot >= 0)
         record.way[block] = wp.where(sleeps, way, real(0.0))
-        if old > real(0.0) and not record.way[block] > real(0.0):
-            record.rows[PlyRow.travel, block] = lanes(search.skin)
+        return wp.where(old > real(0.0) and not sleeps, 1, 0)
 
     @wp.func
-    def note_feet(facets: Facets, search: Search, record: Record, block: int, watch: Watch):
-        xi = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)[SCALAR]
-        eta = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)[SCALAR]
-        feet = patch_at(vectors(facets, record.facet[block], MotionRow.position), xi, eta)
+    def note_travel(search: Search, record: Record, block: int, watch: Watch):
+        """How far nodes have moved, and whether a pressed one has moved past the facets on which it was listed."""
         travel = record.rows[PlyRow.travel, block]
         late = wp.int32(0)
         for i in range(lane_count):
-            watch.foot[block * lane_count + i] = vec3(feet[0, i], feet[1, i], feet[2, i])
             if record.standing[block][i] >= 0 and travel[i] > search.skin:
                 late = 1
         watch.late[block] = late
         watch.travel[block] = lane_maximum(travel)
         watch.deepest[block] = lane_maximum(record.rows[PlyRow.depth, block] - record.rows[PlyRow.entry, block])
+
+    @wp.func
+    def note_feet(facets: Facets, record: Record, block: int, watch: Watch):
+        xi = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)[SCALAR]
+        eta = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)[SCALAR]
+        feet = patch_at(vectors(facets, record.facet[block], MotionRow.position), xi, eta)
+        for i in range(lane_count):
+            watch.foot[block * lane_count + i] = vec3(feet[0, i], feet[1, i], feet[2, i])
 
     @wp.kernel(module="unique", enable_backward=False)
     def seek_feet(
@@ -322,27 +366,28 @@ def seek_feet_kernel(real: type, lane_count: int):
         reach = real(watch.entry[PassEntry.reach])
         position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
         stray = record.rows[PlyRow.stray, block]
-        travel = record.rows[PlyRow.travel, block]
-        force = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block)
-        drag = record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block)
         # a block that is watched anyway need not know whether it may sleep
         updates = wp.where(lane_maximum(-stray) >= real(0.0), real(1.0), real(LEAST_UPDATES))
         for i in range(lane_count):
-            # within a sheet, the feet have been found before
-            found = wp.where(search.slot >= 0, watch.found[block * lane_count + i], 0)
+            node = block * lane_count + i
             if stray[i] > real(0.0):
                 stray[i] = seek_foot(facets, search, watch, position, record, block, i, updates)
-                found = wp.where(stray[i] <= real(0.0), 1, 0)
-            if found == 1:
-                travel[i] = wp.where(search.slot >= 0, real(0.0), search.skin)
-                force[SCALAR, i] = wp.where(search.slot >= 0, watch.foot[block * lane_count + i][0], real(0.0))
-                drag[SCALAR, i] = wp.where(search.slot >= 0, watch.foot[block * lane_count + i][1], real(0.0))
-            watch.found[block * lane_count + i] = found
+                watch.found[node] = wp.where(stray[i] <= real(0.0), 1, 0)
+            elif search.slot < 0:
+                watch.found[node] = 0
         record.rows[PlyRow.stray, block] = stray
-        record.rows[PlyRow.travel, block] = travel
-        store_record4(record.rows, PLY_RECORD_LENGTH, PlyRow.force, block, vector_of(force), force[SCALAR])
-        store_record4(record.rows, PLY_RECORD_LENGTH, PlyRow.drag, block, vector_of(drag), drag[SCALAR])
-        note_feet(facets, search, record, block, watch)
-        watch_block(search, reach, record, block)
+        wakes = watch_block(search, reach, record, block)
+        note_travel(search, record, block, watch)
+        if search.slot >= 0:
+            take_own_feet(record, block, watch)
+        else:
+            settle_feet(facets, search, motion, record, block, watch, wakes)
+        note_feet(facets, record, block, watch)
+        if wakes == 1:
+            # within a sheet, lists are made anew at the next update
+            if search.slot >= 0:
+                record.rows[PlyRow.travel, block] = lanes(search.skin)
+            else:
+                watch.travel[block] = search.skin
 
     return seek_feet

@@ -7,8 +7,9 @@ import warp as wp
 
 from ..lanes import cross, dot, fill, lane_types, magnitude, scale, square_root, where_positive
 from ..operators import div, mul  # noqa: F401
-from ..rows import MotionRow
-from .data import NO_DEPTH, contact_law_struct
+from ..records import SCALAR, record3, record4, store_record4, vector_of
+from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, MotionRow, PlyRow
+from .data import NO_DEPTH, contact_law_struct, record_struct
 from .facet import (
     facets_struct,
     find_foot,
@@ -22,6 +23,7 @@ from .facet import (
     patch_functions,
     patch_struct,
     sagitta,
+    walk_function,
 )
 
 # A foot that has gone farther than this from its facet is lost, and sought again among all facets.
@@ -29,6 +31,9 @@ LOST = wp.constant(1.9)
 # Least cosine between facet and normal, and least length of the mean normal, where a foot is unique.
 LEAST_FACING = wp.constant(0.3)
 LEAST_NORMAL = wp.constant(0.7)
+# Newton iterations on each facet, and facets, on the way of a node to its foot.
+SETTLING_ITERATIONS = wp.constant(5)
+SETTLING_WALKS = wp.constant(16)
 
 
 @cache
@@ -75,7 +80,7 @@ def stand_struct(real: type, lane_count: int):
         normal: lanes3  # unit normal of the other ply, interpolated from its nodes
         depth: lanes  # penetration [m]; NO_DEPTH without a foot
         distance: lanes  # of the mid-surfaces, at which they touch [m]
-        velocity: lanes3  # of the nodes relative to their feet [m/s]; 0 without a foot
+        velocity: lanes3  # of the nodes relative to their feet [m/s]; also just beside the facets
         spin: lanes  # rate at which the facet turns about its normal [1/s]
         has_foot: lanes  # 1 or 0
         lost: lanes  # 1 where the foot is lost, else 0
@@ -118,7 +123,7 @@ def speed_over(place: Any, below: Any, xi: Any, eta: Any):
 def stand_function(real: type, lane_count: int):
     """wp.func (law, facets, facet, place, below, xi, eta, iterations) -> Stand, sought from the foot (xi, eta)."""
     types = lane_types(real, lane_count)
-    lanes, lanes3, indices = types.lanes, types.lanes3, types.indices
+    lanes, indices = types.lanes, types.indices
     Facets, Law = facets_struct(real), contact_law_struct(real)
     Place, Below, Stand = (
         ply_place_struct(real, lane_count),
@@ -161,10 +166,53 @@ def stand_function(real: type, lane_count: int):
         stand = turn_of(below, stand, g, length)
         depth = stand.distance - law.side * (g * length)
         stand.depth = where_positive(stand.has_foot, depth, lanes(real(NO_DEPTH)))
-        velocity = speed_over(place, below, new_xi, new_eta)
-        stand.velocity = lanes3()
-        for c in range(3):
-            stand.velocity[c] = where_positive(stand.has_foot, velocity[c], lanes())
+        stand.velocity = speed_over(place, below, new_xi, new_eta)
         return stand
 
     return stand_on
+
+
+@cache
+def settle_function(real: type, lane_count: int):
+    """wp.func (facets, motion, record, block, chosen) -> 1 where a chosen node is still on its way to its foot, else 0.
+
+    They walk from the middles of their facets; facets and coordinates are written.
+    """
+    lanes = lane_types(real, lane_count).lanes
+    Facets, Record = facets_struct(real), record_struct(real, lane_count)
+    _, positions, normals, _ = patch_functions(real, lane_count)
+    walk = walk_function(real, lane_count)
+
+    @wp.func
+    def write(record: Record, row: int, block: int, chosen: lanes, coordinate: lanes):
+        old = record4(record.rows, PLY_RECORD_LENGTH, row, block)
+        value = where_positive(chosen, coordinate, old[SCALAR])
+        store_record4(record.rows, PLY_RECORD_LENGTH, row, block, vector_of(old), value)
+
+    @wp.func
+    def settle(facets: Facets, motion: wp.array2d(dtype=lanes), record: Record, block: int, chosen: lanes):
+        position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
+        rest = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
+        facet = record.facet[block]
+        before = record.facet[block]
+        xi = lanes()
+        eta = lanes()
+        left = wp.int32(SETTLING_WALKS)
+        while left > 0:
+            before = facet
+            x = positions(facets, facet, position, rest)
+            d = normals(facets, facet)
+            near_xi, near_eta, _g = find_foot(x, d, xi, eta, SETTLING_ITERATIONS)
+            near_xi = where_positive(chosen, near_xi, lanes())
+            near_eta = where_positive(chosen, near_eta, lanes())
+            facet, xi, eta, moved = walk(facets, before, near_xi, near_eta)
+            left = wp.where(moved > 0, left - 1, 0)
+        write(record, PlyRow.force, block, chosen, xi)
+        write(record, PlyRow.drag, block, chosen, eta)
+        record.facet[block] = facet
+        under_way = lanes()
+        for i in range(lane_count):
+            under_way[i] = wp.where(facet[i] != before[i], real(1.0), real(0.0))
+        return under_way
+
+    return settle

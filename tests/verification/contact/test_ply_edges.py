@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from tests.support.stacked_plies import THICKNESS, pass_rows, ply, square, stack_setup
+from tests.support.stacked_plies import THICKNESS, momentum, pass_rows, ply, square, stack_setup
 from weavesim import Drive, NodalLoads, Observer, Sheet, Simulation, Support
 from weavesim.fabric.bending import IsotropicBending
 from weavesim.fabric.cell import LinearMembrane
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.shear import LinearShear
+from weavesim.kernels.pass_entries import PassEntry
 from weavesim.process import Coulomb
 from weavesim.process.strokes import SmoothStroke, Stroke
 from weavesim.run.watch.crossing_record import CrossingRecord
@@ -155,3 +156,75 @@ def test_plies_that_start_inside_each_other_are_not_pushed_apart(manual):
         "accepted: contact begins without a force, and nothing moves.",
     )  # fmt: skip
     case.table(["element size [mm]", "entry / thickness", "largest force of a node [N]", "kinetic energy [J]"], rows)
+
+
+def carried(blank: Blank, name: str, time: list[float], path: list[tuple[float, float, float]]) -> Support:
+    """All nodes, along a path [m] with corners at these times [s]."""
+    drives = [
+        Drive(Stroke(np.array(time), along), axis) for along, axis in zip(np.transpose(path), np.eye(3), strict=True)
+    ]
+    return Support(name, np.arange(blank.node_count), tuple(drives))
+
+
+def set_down(upper: Blank, time: list[float], path: list[tuple[float, float, float]]) -> tuple[int, int]:
+    """Nodes that were pressed at an update while a ply is carried over one that is held, and those not listed there."""
+    lower = square(0.05, 0.005)
+    sheets = [
+        ply("lower", lower, supports=(carried(lower, "held", [0.0, time[-1]], [(0.0, 0.0, 0.0)] * 2),)),
+        ply("upper", upper, supports=(carried(upper, "carried", time, path),)),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=time[-1]))
+    pressed = missing = 0
+    while run.state.time < time[-1]:
+        run.stepper.advance(1)
+        for model, own in zip(run.model.passes, run.state.passes, strict=True):
+            assert own.entry.numpy()[PassEntry.late] == 0.0
+            assert own.read_rows(model)["largest_entry"].max() < 0.01 * THICKNESS
+            listed, count, standing = own.listed.numpy(), own.listed_count.numpy(), own.standing.numpy()
+            for node in np.flatnonzero(standing >= 0):
+                facet = standing[node]
+                pressed += 1
+                missing += count[facet] >= 0 and node not in listed[: count[facet], facet]
+    return pressed, missing
+
+
+def test_a_ply_that_is_lifted_off_and_set_down_elsewhere_pushes_what_it_stands_on():
+    """Its nodes follow facets from far away, and sleep there: none is missing from the lists where it comes down."""
+    high, aside, pressed = 0.03, (0.02, 0.006), -0.12 * THICKNESS
+    path = [(0.0, 0.0, 0.0), (0.0, 0.0, high), (*aside, high), (*aside, 0.0), (*aside, pressed)]
+    found = set_down(square(0.01, 0.005, 1.1 * THICKNESS, 20.0), [0.0, 2e-3, 4e-3, 6e-3, 7e-3], path)
+    assert found[0] > 100 and found[1] == 0
+
+
+@pytest.mark.parametrize("speed", [5.0, 40.0])
+def test_a_ply_that_rocks_over_a_free_edge_goes_on(speed):
+    """It loses its feet beyond the edge, finds them again, and is pressed before the next update."""
+    way, start = 0.0035, 0.0562
+    blank = square(0.005, 0.005, 1.02 * THICKNESS, centre=(start, 0.0008))
+    turns = np.cumsum([0.0, way, way + 0.0012, 0.001]) / speed
+    path = [(0.0, 0.0, 0.0), (way, 0.0, 0.0), (-0.0012, 0.0, 0.0), (-0.0022, 0.0, -0.1 * THICKNESS)]
+    found = set_down(blank, turns.tolist(), path)
+    assert found[0] > 0 and found[1] == 0
+
+
+@pytest.mark.parametrize("speed", [5.0, 20.0])
+def test_a_ply_thrown_aslant_from_far_away_keeps_momentum(speed, manual):
+    """Its nodes have no feet at the start; the nearest facet is often not the one on which a node will stand."""
+    sheets = [
+        ply("lower", square(0.03, 0.005)),
+        ply("upper", square(0.02, 0.005, 0.015, 34.0), (1.0, 0.3, -speed)),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=0.0225 / speed))
+    before, angular = momentum(run)
+    run.run()
+    after, turned = momentum(run)
+    pressed = max(pass_rows(run, k)["slip"].max() for k in (0, 1))
+    size, twist = np.linalg.norm(before), np.linalg.norm(angular)
+    error, spin = np.abs(after - before).max() / size, np.abs(turned - angular).max() / twist
+    assert pressed > 0.0 and error < 1e-12
+    case = manual(
+        "Contact", f"A ply thrown aslant from far away, {speed:g} m/s",
+        known="A free square is thrown onto another from 15 mm, three elements, aslant, with its mesh turned by 34 "
+        "degrees: linear momentum is kept to round-off.",
+    )  # fmt: skip
+    case.table(["change of momentum, relative", "of that about the origin"], [[error, spin]])

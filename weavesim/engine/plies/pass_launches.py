@@ -181,9 +181,7 @@ class PassLaunches:
             adopt_lists_kernel(self._real, self._lanes), facets[1],
             [facets[0], self._search, self._watch, self._made], [self._listed, self._own.block_count],
         )  # fmt: skip
-        self._launch(
-            begin_travel_kernel(self._real, self._lanes), nodes[1], [nodes[0], self._search, self._watch, self._record]
-        )
+        self._launch(begin_travel_kernel(self._real, self._lanes), nodes[1], [nodes[0], self._watch, self._record])
 
 
 def group_count(count: int) -> int:

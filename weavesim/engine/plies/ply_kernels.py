@@ -14,6 +14,7 @@ from ...kernels.plies.collect import (
     settle_own_search_kernel,
     sum_up_kernel,
     survey_groups_kernel,
+    watch_speed_kernel,
 )
 from ...kernels.plies.mirror import meet_mirror_kernel, watch_mirror_kernel
 from ...kernels.plies.node_pass import meet_plies_kernel
@@ -28,8 +29,8 @@ from ...kernels.plies.search import (
     bound_facets_kernel,
     plan_search_kernel,
     seek_feet_kernel,
-    watch_speed_kernel,
 )
+from ..creases.crease_launches import crease_kernels
 
 
 def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
@@ -60,6 +61,7 @@ def own_contact_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         follow_own_facets_kernel(real, lane_count),
         bound_groups_kernel(real),
         settle_own_search_kernel(real),
+        *crease_kernels(real),
     ]
 
 

@@ -21,6 +21,7 @@ from ..sheet.sheet import Sheet
 from ..tools.device import build_device_tools
 from ..tools.sampling import SampledDistance, mesh_parts, sample_meshes
 from .compilation import MeshKernelSet, compile_missing, mesh_kernels
+from .creases.crease_model import CreaseModel
 from .layout import Span, padded
 from .plies.facet_tables import FacetTables
 from .plies.mirror_model import MirrorModel, mirror_places
@@ -53,6 +54,7 @@ class Model:
         contacts: interfaces between sheets, then the contact of each sheet with itself.
         contact_names: of these, for outputs; self-contact has the name of its sheet.
         passes: of all contacts.
+        creases: of the sheets that touch themselves.
         reaction_count: blocks of nodes of the largest world, and of elements where these meet tools too.
         reference_step: stable step with straight yarns [s], the basis of the first step.
 
@@ -98,6 +100,8 @@ class Model:
             *(sheet.name for sheet in setup.sheets if sheet.self_contact is not None),
         )
         self.passes = self._passes()
+        own_passes = (each for each in self.passes if each.place.slot == 0)
+        self.creases = tuple(CreaseModel(each) for each in own_passes)
 
     def _passes(self) -> tuple[PassModel, ...]:
         """Of all interfaces, whose plies need room in the stable step, and of sheets that touch themselves."""

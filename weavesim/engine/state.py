@@ -29,6 +29,7 @@ from ..kernels.rows import (
     ToolWatchRow,
     ToolWorkRow,
 )
+from .creases.crease_state import CreaseState
 from .layout import BLOCK
 from .plies.pass_state import PassState
 from .surface.friction import argument_rows
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 9
+FILE_VERSION = 10
 
 
 @dataclass(frozen=True)
@@ -163,6 +164,7 @@ class State:
             (drive_count,) [m].
         clock: rows ClockEntry, float64 [s].
         passes: of the contact between plies, in the order of ``Model.passes``.
+        creases: of the sheets that touch themselves, in the order of ``Model.creases``.
         step_count: steps done.
     """
 
@@ -180,6 +182,7 @@ class State:
     drive_increment: wp.array
     clock: wp.array
     passes: tuple[PassState, ...] = ()
+    creases: tuple[CreaseState, ...] = ()
     step_count: int = 0
 
     @classmethod
@@ -197,6 +200,7 @@ class State:
         return cls(
             sheets=tuple(SheetState.initial(sheet, sheet.node_traits.touched) for sheet in model.sheets),
             passes=tuple(PassState.initial(each) for each in model.passes),
+            creases=tuple(CreaseState.initial(each) for each in model.creases),
             tool_displacement=doubles(model.tools.initial_displacement),
             tool_velocity=doubles(model.tools.initial_velocity),
             tool_force=wp.zeros(tool_count, dtype=wp.vec3d, device=device),
@@ -244,12 +248,16 @@ class State:
         for index, each in enumerate(self.passes):
             for field in fields(each):
                 yield f"passes/{index}/{field.name}", getattr(each, field.name)
+        for index, own in enumerate(self.creases):
+            for field in fields(own):
+                yield f"creases/{index}/{field.name}", getattr(own, field.name)
 
     def clone(self) -> State:
         """A copy with arrays of its own."""
         sheets = tuple(SheetState(**_copies(sheet)) for sheet in self.sheets)
         passes = tuple(PassState(**_copies(each)) for each in self.passes)
-        return State(**(_copies(self) | {"sheets": sheets, "passes": passes}))
+        creases = tuple(CreaseState(**_copies(each)) for each in self.creases)
+        return State(**(_copies(self) | {"sheets": sheets, "passes": passes, "creases": creases}))
 
     def copy_from(self, other: State) -> None:
         """Take what the next step reads of a state of the same run; may be recorded."""
@@ -324,7 +332,7 @@ class State:
                 array.assign(content[name])
 
 
-def _copies(values: State | SheetState | PassState) -> dict[str, Any]:
+def _copies(values: State | SheetState | PassState | CreaseState) -> dict[str, Any]:
     """Fields by name, arrays as copies."""
     own = {field.name: getattr(values, field.name) for field in fields(values)}
     return {name: wp.clone(value) if isinstance(value, wp.array) else value for name, value in own.items()}

@@ -14,10 +14,14 @@ class Pace:
     """Says when to save: at the first frame, about 0.5, 1, 2, 4 and 8 seconds after it, then every five seconds.
 
     Saves that take long become rarer, so that they take less than a fiftieth of the run.
+
+    Args:
+        first_interval: between the first two saves [s].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, first_interval: float = FIRST_INTERVAL) -> None:
         self._first: float | None = None
+        self._first_interval = first_interval
         self._next_time = 0.0
         self._started = 0.0
 
@@ -33,5 +37,5 @@ class Pace:
         """The save has been made."""
         now = time.monotonic()
         age = now - (now if self._first is None else self._first)
-        interval = min(max(age, FIRST_INTERVAL), INTERVAL)
+        interval = min(max(age, self._first_interval), INTERVAL)
         self._next_time = now + max(interval, (now - self._started) / LARGEST_SHARE)

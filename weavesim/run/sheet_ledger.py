@@ -126,6 +126,8 @@ class SheetLedger:
         self._known = [samples.index(place) if place in samples else None for place in JUDGED_PLACES.tolist()]
         self._unknown = JUDGED_PLACES[[known is None for known in self._known]]
         self._judged_gaps = ToolGaps(model, index, state, (len(self._unknown) + 1) * elements, acting)
+        # of the middles of the elements at the frame that was looked at last, which its fields want too
+        self._looked_at, self._middle_distance = np.zeros((0, 3)), np.zeros((0, 0))
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
         velocity, spin = _rates(start)
         self.initial_kinetic = self._kinetic(velocity, velocity, spin, spin)
@@ -181,7 +183,8 @@ class SheetLedger:
         """Fields that only the frames of observers have, of the frame just taken; waits for the device."""
         forces, node_distance = self.tool_forces(), self._distance[:, : len(frame.position)]
         found = self._tool_fields(forces, frame.director, frame.fields["area_ratio"])
-        found |= self._surface_fields(frame.position, frame.fields, node_distance)
+        middle = self._middle_distance if self._looked_at is frame.position else None
+        found |= self._surface_fields(frame.position, frame.fields, node_distance, middle)
         # in the precision of the run, as the fields of the kernels: no more is known, and files are smaller
         return {name: values.astype(self._model.precision.numpy).astype(np.float64) for name, values in found.items()}
 
@@ -325,6 +328,7 @@ class SheetLedger:
             at_nodes = own / np.maximum(np.bincount(there, minlength=node_count), 1)
         at_nodes[sheet.waste], at_elements[~sheet.kept] = -np.inf, -np.inf
         places = self._judged_distances(position, frame.director)
+        self._looked_at, self._middle_distance = position, places[-1]
         depths = [(at_elements - distance).max(axis=0) for distance in places]
         depth = np.concatenate([(at_nodes - self._distance[:, :node_count]).max(axis=0), *depths])
         worst = int(depth[:-element_count].argmax())

@@ -27,7 +27,7 @@ from .staging.course import Course
 from .start import Prepared, PreparedOnce
 from .verdict import RUN_FINDINGS, Judged, summary
 from .watch.stops import Stops
-from .watch.watch import WATCH_COUNT, Watch
+from .watch.watch import STAGE_WATCH_COUNT, WATCH_COUNT, Watch
 
 logger = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ class Simulation(PreparedOnce):
     Args:
         setup: of the run.
         run_id: of a run that is resumed; a new one by default.
-        watch_count: states that the guards look at, evenly spaced in time.
+        watch_count: states that the guards look at, evenly spaced in time; by default 80, or 100 of each stage.
         stop_on: guards that end the run, from a level on: see ``run.watch.stops``.
 
     Attributes:
@@ -63,10 +63,10 @@ class Simulation(PreparedOnce):
     """
 
     def __init__(
-        self, setup: Setup, *, run_id: str | None = None, watch_count: int = WATCH_COUNT, stop_on: Sequence[str] = ()
+        self, setup: Setup, *, run_id: str | None = None, watch_count: int | None = None, stop_on: Sequence[str] = ()
     ) -> None:
         super().__init__(setup, run_id)
-        self._watch_count = watch_count
+        self._watch_count = watch_count or (STAGE_WATCH_COUNT if setup.stages else WATCH_COUNT)
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None

@@ -47,3 +47,13 @@ def test_slow_saves_become_rare(clock):
     start = clock.now
     count = len(saved(clock, 4000, 0.5, cost=1.0))
     assert count < 0.025 * (clock.now - start) + 12
+
+
+def test_what_takes_longer_to_save_begins_later(clock):
+    pace, result = Pace(2.0), []
+    for second in range(20):
+        if pace.due():
+            result.append(second)
+            pace.done()
+        clock.now += 1.0
+    assert result == [0, 2, 4, 8, 13, 18]

@@ -30,6 +30,7 @@ from ...kernels.plies.search import (
     plan_search_kernel,
     seek_feet_kernel,
 )
+from ..creases.crease_launches import crease_kernels
 
 
 def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
@@ -60,6 +61,7 @@ def own_contact_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         follow_own_facets_kernel(real, lane_count),
         bound_groups_kernel(real),
         settle_own_search_kernel(real),
+        *crease_kernels(real),
     ]
 
 

@@ -8,6 +8,7 @@ import warp as wp
 
 from ...kernels.plies.collect import group_speed_kernel, watch_speed_kernel
 from ...kernels.plies.own_search import SLOT_COUNT
+from ..creases.crease_launches import CreaseLaunches
 from ..model import Model
 from ..state import State
 from ..tiles import chunks
@@ -62,6 +63,17 @@ class PlyLaunches:
             if each.place.slot == 0
         }
 
+        self._creases = [
+            CreaseLaunches(
+                each,
+                own,
+                state.sheets[each.own_pass.place.slave].motion,
+                state.sheets[each.own_pass.place.slave].contact_force,
+                state.passes[model.passes.index(each.own_pass)].entry,
+                state.clock,
+            )
+            for each, own in zip(model.creases, state.creases, strict=True)
+        ]
         # feet on other plies, and at planes, are found with the normals of the update
         self._always = {each.place.slave for each in model.passes if each.place.plane} | {
             each.place.master for each in model.passes if each.place.slot < 0 and not each.place.plane
@@ -72,15 +84,19 @@ class PlyLaunches:
         return bool(self._passes)
 
     def find_normals(self, thread_count: int = 1, thread: int = 0) -> None:
-        """Normals at this thread's share of the nodes, before ``meet``; all threads must be done with them."""
+        """Normals and creases, this thread's share, before ``meet``; all threads must be done with them."""
         for index, normals in self._normals.items():
             normals.launch(*chunks(self._model.sheets[index].block_count, thread_count)[thread])
+        for creases in self._creases:
+            creases.meet(thread_count, thread)
 
     def meet(self, thread_count: int = 1, thread: int = 0) -> None:
         """Contact forces on this thread's share of the nodes of every pass, before anything moves."""
         for each in self._passes:
             # a sheet's passes add to the same sums: its nodes are divided alike in all of them
             each.meet(*chunks(each.node_block_count, thread_count)[thread])
+        for creases in self._creases:
+            creases.gather(*chunks(creases.model.sheet.block_count, thread_count)[thread])
 
     def push(self, sheet: int, first: int, count: int) -> None:
         """Reactions on ``count`` blocks of elements of a sheet from ``first``, after their own forces."""
@@ -121,6 +137,7 @@ class PlyLaunches:
         for index in self._sought:
             count = self._model.sheets[index].block_count
             self._normals[index].launch(*chunks(count, thread_count)[thread], always=index in self._always)
+        self._search_creases(0, thread_count, thread)
         yield
         yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:
@@ -128,18 +145,26 @@ class PlyLaunches:
                 found = self._own[each.model.place.slave].found
                 each.follow(found, *chunks(each.node_block_count, thread_count)[thread])
             each.seek(*chunks(each.node_block_count, thread_count)[thread])
+        self._search_creases(4, thread_count, thread)
         yield
         if thread == 0:
             for each in self._passes:
                 each.collect()
+        self._search_creases(5, thread_count, thread)
         yield
         for each in self._passes:
             each.list_nodes(*chunks(each.facet_block_count, thread_count)[thread])
+        self._search_creases(6, thread_count, thread)
         yield
         for each in self._passes:
             facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
             each.adopt(facets[thread], nodes[thread])
+        self._search_creases(7, thread_count, thread)
         yield
+
+    def _search_creases(self, phase: int, thread_count: int, thread: int) -> None:
+        for creases in self._creases:
+            creases.search(phase, thread_count, thread)
 
     def _search_within_sheets(self, thread_count: int, thread: int) -> Iterator[None]:
         if not self._own:
@@ -147,13 +172,16 @@ class PlyLaunches:
         for own in self._own.values():
             groups = own.node_group_count, own.facet_group_count
             own.bound(*(chunks(count, thread_count)[thread] for count in groups))
+        self._search_creases(1, thread_count, thread)
         yield
         for own in self._own.values():
             own.seek(*chunks(own.node_group_count, thread_count)[thread])
+        self._search_creases(2, thread_count, thread)
         yield
         if thread == 0:
             for own in self._own.values():
                 own.settle()
+        self._search_creases(3, thread_count, thread)
         yield
 
     @property

@@ -26,6 +26,8 @@ from .view import View, define_camera, define_lights
 FRAMES_PER_SECOND = 24
 # Of the run, at every time code: attributes of /World.
 TIME, STROKE = "weavesim:time", "weavesim:stroke"
+# Between the first two saves [s]: each copies the film, of which a run of seconds needs fewer than of its small files.
+_FIRST_SAVE = 2.0
 # Frames between two writes to disk: writing frees memory, and written frames survive a killed process.
 _FRAMES_PER_FLUSH = 40
 # Tools on the side of the viewer would hide the sheet, so they are drawn transparent.
@@ -78,7 +80,7 @@ class Film:
         note(self.path)
         temporary = temporary_name(self.path)
         temporary.unlink(missing_ok=True)
-        self._pace = Pace()
+        self._pace = Pace(_FIRST_SAVE)
         with usd_errors():
             self._stage = stage = Usd.Stage.CreateNew(str(temporary))
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)

@@ -21,6 +21,9 @@ _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 # Arrays of one file, by section; ``Packed`` ones are the same in many files.
 Sections = tuple[tuple[str, Mapping[str, "np.ndarray | Packed"]], ...]
 _HEADER = Struct("=4Q")
+# Of zlib at level 0, and of its blocks: whether it is the last, its length, and that with all bits turned.
+_STORED_HEAD, _STORED, _CHECK = b"\x78\x01", Struct("<?HH"), Struct(">I")
+_LARGEST_STORED = 0xFFFF
 
 
 class Packed:
@@ -180,5 +183,16 @@ def _block_of(values: np.ndarray | Packed) -> bytes:
 
 def _block(values: np.ndarray, level: int) -> bytes:
     """One block of zlib with VTK's header: how many blocks, their size, that of a last partial one, and compressed."""
-    compressed = zlib.compress(np.ascontiguousarray(values).data, level)
+    data = np.ascontiguousarray(values).reshape(-1).view(np.uint8).data
+    compressed = zlib.compress(data, level) if level else _stored(data)
     return _HEADER.pack(1, values.nbytes, 0, len(compressed)) + compressed
+
+
+def _stored(data: memoryview) -> bytes:
+    """What zlib makes of data that it does not compress, without the memory that it gets ready to do so (RFC 1950)."""
+    starts = range(0, max(len(data), 1), _LARGEST_STORED)
+    parts: list[bytes | memoryview] = [_STORED_HEAD]
+    for start in starts:
+        part = data[start : start + _LARGEST_STORED]
+        parts += [_STORED.pack(start == starts[-1], len(part), len(part) ^ 0xFFFF), part]
+    return b"".join([*parts, _CHECK.pack(zlib.adler32(data))])

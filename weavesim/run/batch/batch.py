@@ -19,7 +19,6 @@ from ..frame import Observer
 from ..interruption import Interruption, interrupted_by, interruption
 from ..simulation import Simulation
 from ..watch.stops import stop_levels
-from ..watch.watch import WATCH_COUNT
 from .batch_run import BatchRun
 from .worlds import Worlds, alike, host_setup
 
@@ -41,7 +40,7 @@ def run_batch(
     device: str | None = None,
     observers: ObserversOf | None = None,
     finished: Finished | None = None,
-    watch_count: int = WATCH_COUNT,
+    watch_count: int | None = None,
     stop_on: Sequence[str] = (),
 ) -> list[BatchRun]:
     """Run many variants, several at a time; each gets the result that it gets alone.
@@ -69,7 +68,7 @@ def run_batch(
         InputError: no such device or guard, or a bad number of threads or states.
     """
     stop_levels(stop_on)
-    if not 1 <= watch_count <= LARGEST_WATCH_COUNT:
+    if watch_count is not None and not 1 <= watch_count <= LARGEST_WATCH_COUNT:
         raise InputError(f"watch_count = {watch_count}: 1 to {LARGEST_WATCH_COUNT} are allowed")
     setups = tuple(setups)
     for index, setup in enumerate(setups):
@@ -107,7 +106,7 @@ class Runner:
         thread_count: int = 1,
         observers: ObserversOf | None = None,
         finished: Finished | None = None,
-        watch_count: int = WATCH_COUNT,
+        watch_count: int | None = None,
         stop_on: Sequence[str] = (),
     ) -> None:
         self._setups, self._thread_count = setups, thread_count

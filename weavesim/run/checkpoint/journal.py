@@ -109,11 +109,10 @@ class FrameJournal:
         length = sum(len(part) for part in parts)
         with open(self.path, "r+b") as file:
             # what a killed run or a full disk left of another frame
-            file.truncate(self.size)
-            file.seek(self.size)
-            file.write(_LENGTH.pack(length))
-            for part in parts:
-                file.write(part)
+            if file.seek(0, os.SEEK_END) != self.size:
+                file.truncate(self.size)
+                file.seek(self.size)
+            file.write(b"".join([_LENGTH.pack(length), *parts]))
         self.count += 1
         self.size += _LENGTH.size + length
 

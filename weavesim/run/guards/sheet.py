@@ -281,7 +281,7 @@ def _tallies(run: Judged, what: str) -> Iterator[tuple[SheetInfo, Tally]]:
 
 
 class SelfContactMesh(Guard):
-    """Elements so large that the crests of two folds may cross between their nodes."""
+    """Elements so large that the neck of a tight fold may close through itself."""
 
     name = "self_contact_mesh"
     watches = "elements that are large for self-contact"
@@ -296,8 +296,8 @@ class SelfContactMesh(Guard):
                 yield self.doubt(
                     Level.NOTE,
                     f"self-contact with elements of {1e3 * size:.3g} mm, {size / thickness:.1f} times the thickness",
-                    "nodes meet facets; the crests of folds that cross each other may meet between nodes, deeper than "
-                    f"they should: there, take elements of at most {1e3 * LARGEST_SIZE * thickness:.3g} mm",
+                    "nodes meet facets, and edges meet edges at creases only; the neck of a fold as tight as two "
+                    f"elements may close through itself: there, take at most {1e3 * LARGEST_SIZE * thickness:.3g} mm",
                     sheet=sheet.name,
                     value=size,
                     limit=LARGEST_SIZE * thickness,

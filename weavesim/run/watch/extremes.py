@@ -21,7 +21,7 @@ class Extreme(NamedTuple):
 
     Attributes:
         value: in SI units.
-        time: at which it was first seen, at most a hundredth of the run late [s].
+        time: at which it was first seen, at most an eightieth of the run late [s].
         place: (x, y) on the flat blank [m].
         tool: index among the tools of the run, of a depth.
     """

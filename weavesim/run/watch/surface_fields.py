@@ -57,7 +57,11 @@ class SurfaceFields:
         return WaveFilter(self._part[0], WAVELENGTH_OF_FRAMES)
 
     def __call__(
-        self, position: np.ndarray, fields: Mapping[str, np.ndarray], node_distance: np.ndarray
+        self,
+        position: np.ndarray,
+        fields: Mapping[str, np.ndarray],
+        node_distance: np.ndarray,
+        middle_distance: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
         """The fields by name, (element_count,) each [m]; waits for the device.
 
@@ -67,10 +71,14 @@ class SurfaceFields:
             position: of the nodes, (node_count, 3) [m].
             fields: of the elements, by name.
             node_distance: of the nodes from each tool, infinite where it does not act, (tool_count, node_count) [m].
+            middle_distance: the same of the middles of flat elements, (tool_count, element_count) [m]; None if it is
+                not known.
         """
         found, quads = {}, self._sheet.blank.quads
         if self._sheet.tool_count:
-            middle = self._nearest(self._gaps(position[quads].mean(axis=1)))
+            if middle_distance is None:
+                middle_distance = self._gaps(position[quads].mean(axis=1))
+            middle = self._nearest(middle_distance)
             sheet = self._sheet
             found["tool_gap"] = middle - half_thickness(
                 sheet.fabric.thickness, fields["thickness"], sheet.follows_thickness

@@ -15,32 +15,37 @@ from ..start import Prepared
 from .condition import Condition, StackCondition
 from .extremes import Extremes
 
-# States that are looked at in a run, evenly spaced in time.
-WATCH_COUNT = 100
-# Every so many of them the sheets are searched for parts that pass through each other, which takes longer.
-CONDITION_INTERVAL = 4
+# States that are looked at in a run, evenly spaced in time, whatever its frames. The states of 80 frames, or of 40, 20,
+# 16 or 10, are among them: one state then serves both.
+WATCH_COUNT = 80
+# Of each stage of a run that has some: one that ends at rest does so at a look.
+STAGE_WATCH_COUNT = 100
+# At about so many of them the sheets are searched for parts that pass through each other, which takes longer; of few
+# states, at every third one.
+CONDITION_COUNT, LEAST_CONDITION_INTERVAL = 27, 3
 
 
 class Watch:
-    """Shows the guards about a hundred states of a run, and keeps their numbers.
+    """Shows the guards about eighty states of a run, or a hundred of each stage, and keeps their numbers.
 
     A run with one frame looks at the same states as a run with a thousand: each ends the first block of steps at or
     after its time.
 
     Args:
         prepared: the run; its state is read.
-        count: states to look at.
+        count: states to look at in a run, or in each of its stages.
 
     Attributes:
         history: time, stroke and every entry of the energy ledger of all states so far.
         penetration: the deepest of all states so far.
         extremes: over all steps so far, kept on the device.
-        conditions: of every sheet, at every fourth of these states and at the end.
+        conditions: of every sheet, at every third or fourth of these states and at the end.
         stacks: conditions of the sheets of every world that has several, at the same times.
     """
 
     def __init__(self, prepared: Prepared, count: int = WATCH_COUNT) -> None:
         self._count = count
+        self._condition_interval = max(LEAST_CONDITION_INTERVAL, math.ceil(count / CONDITION_COUNT))
         self._begin, self._duration, self._state = 0.0, prepared.info.duration, prepared.state
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
@@ -81,7 +86,7 @@ class Watch:
         """
         new = frame.step_count != self._last_step
         following = max(self._next, self._following(frame.time))
-        if last or (new and following // CONDITION_INTERVAL > self._next // CONDITION_INTERVAL):
+        if last or (new and following // self._condition_interval > self._next // self._condition_interval):
             for condition, sheet in zip(self.conditions, frame.sheets, strict=True):
                 condition.look(sheet, frame.time)
             for stack in self.stacks:

@@ -1,9 +1,12 @@
 """Files of VTK in XML: any numbers come back as they were, packed or not."""
 
+import zlib
+
 import meshio
 import numpy as np
 import pytest
 
+from weavesim.output.paraview import files
 from weavesim.output.paraview.files import Grid, blocks_text
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.5]])
@@ -28,3 +31,9 @@ def test_blocks_nest():
     text = blocks_text({"a & b": "a.vtu", "tools": {"punch": "p.vtu"}}, "run")
     assert 'name="a &amp; b" file="a.vtu"' in text
     assert text.index('<Block index="1" name="tools">') < text.index('name="punch"') < text.index("</Block>")
+
+
+@pytest.mark.parametrize("length", [0, 1, 0xFFFF, 0x10000, 3 * 0xFFFF, 200_000])
+def test_zlib_reads_what_is_stored(length):
+    data = np.random.default_rng(length).integers(0, 256, length, dtype=np.uint8)
+    assert zlib.decompress(files._stored(data.data)) == data.tobytes()

@@ -1,0 +1,1 @@
+"""Contact of edges with edges at creases of a sheet that touches itself: docs/plies.md."""

@@ -1,0 +1,86 @@
+"""Interior edges, creases and their lists, against NumPy, and what a flat sheet does about them."""
+
+import numpy as np
+import pytest
+
+from tests.support.folded_strips import fold_blank
+from tests.support.stacked_plies import FABRIC, THICKNESS
+from weavesim import SelfContact, Setup, Sheet, Simulation, Solver
+from weavesim.engine.creases.crease_model import interior_edges
+from weavesim.kernels.creases.pair_rows import CreaseCount
+from weavesim.kernels.creases.search import LEAST_TURN, WHOLE_TURN
+from weavesim.sheet.blank import Blank
+
+SIZE = 1.5 * THICKNESS
+
+
+def searched(blank):
+    """A run of a sheet that may touch itself, after a block of steps and its search."""
+    sheet = Sheet(blank, FABRIC, name="sheet", self_contact=SelfContact())
+    solver = Solver(precision="float64", threads=1)
+    run = Simulation(Setup("creases", sheets=(sheet,), duration=1.0, accept_unusual=True, solver=solver))
+    run.stepper.start()
+    run.stepper.advance(1)
+    return run
+
+
+def test_edges_have_their_facets_on_either_side():
+    blank = Blank.rectangle((0.0, 0.0), (3.0, 2.0), 1.0)
+    nodes, at = interior_edges(blank.quads, blank.material_coordinates), blank.material_coordinates
+    assert len(nodes) == 2 * 2 + 3 * 1  # across the length, and along it
+    assert len({tuple(sorted(pair)) for pair in nodes[:, :2].tolist()}) == len(nodes)
+    along = at[nodes[:, 1]] - at[nodes[:, 0]]
+    for first, second in ((2, 3), (4, 5)):
+        # beside each end lies a node of the facet, and these two are as far apart as the ends
+        np.testing.assert_allclose(at[nodes[:, second]] - at[nodes[:, first]], along)
+    one, other = (at[nodes[:, k]] - at[nodes[:, 0]] for k in (2, 4))
+    np.testing.assert_allclose(one, -other)
+
+
+def test_a_flat_sheet_has_no_creases():
+    run = searched(Blank.rectangle((0.0, 0.0), (6.0 * SIZE, 4.0 * SIZE), SIZE))
+    (own,) = run.state.creases
+    assert not own.number.numpy().any() and not own.weight.numpy().any() and not own.count.numpy().any()
+
+
+def test_creases_are_listed_with_those_that_are_near():
+    """A strip in a sharp zigzag, against all pairs of edges."""
+    blank = fold_blank(SIZE, 6.0 * SIZE, 1.2 * THICKNESS, 4)
+    run = searched(blank)
+    (own,), (model,), frame = run.state.creases, run.model.creases, run.frame.sheets[0]
+    x = frame.position[model.nodes].astype(float)
+    along = x[:, 1] - x[:, 0]
+
+    def into(place):
+        across = x[:, place] + x[:, place + 1] - x[:, 0] - x[:, 1]
+        across -= ((across * along).sum(axis=1) / (along**2).sum(axis=1))[:, None] * along
+        return across / np.linalg.norm(across, axis=1, keepdims=True)
+
+    turn = np.arccos(np.clip(-(into(2) * into(4)).sum(axis=1), -1.0, 1.0))
+    share = (turn - float(LEAST_TURN)) / (float(WHOLE_TURN) - float(LEAST_TURN))
+    np.testing.assert_allclose(own.weight.numpy(), np.clip(share, 0.0, 1.0), atol=1e-9)
+    count = own.number.numpy()[CreaseCount.creases]
+    sharp = np.flatnonzero(share > 0.0)
+    assert count == len(sharp) > 8
+    np.testing.assert_array_equal(own.crease.numpy()[:count], sharp)
+    flat = blank.material_coordinates[model.nodes[:, :2]]
+    share = np.linspace(0.0, 1.0, 21)[:, None, None]
+    points, places = (share * (v[:, 1] - v[:, 0]) + v[:, 0] for v in (x, flat))
+
+    def nearest(values, edge, other):
+        return np.linalg.norm(values[:, None, edge] - values[None, :, other], axis=-1).min()
+
+    listed = {tuple(pair) for pair in np.column_stack(own.pairs()[:2]).tolist()}
+    for edge in sharp:
+        for other in sharp[sharp > edge]:
+            apart = nearest(places, edge, other)
+            if apart < 1.9 * THICKNESS:
+                assert (edge, other) not in listed
+            elif apart > 2.1 * THICKNESS and nearest(points, edge, other) < THICKNESS:
+                assert (edge, other) in listed
+
+
+@pytest.mark.parametrize("name", ["partner", "rows", "works", "first", "count"])
+def test_the_state_carries_what_has_memory(name):
+    run = searched(Blank.rectangle((0.0, 0.0), (6.0 * SIZE, 4.0 * SIZE), SIZE))
+    assert f"creases/0/{name}" in run.state.content()

@@ -1,4 +1,4 @@
-"""Processor control: a barrier between threads, and the treatment of subnormal numbers."""
+"""Processor control: a barrier between threads, the treatment of subnormal numbers, loops that stay loops."""
 
 import warp as wp
 
@@ -61,3 +61,15 @@ def flush_subnormals(before: wp.array(dtype=wp.int32)):
 def restore_subnormals(before: wp.array(dtype=wp.int32)):
     """Restore the setting from before ``flush_subnormals``."""
     previous = switch_flushing(before[0])  # noqa: F841
+
+
+@wp.func_native("""
+    int result = index + 1;
+#if defined(__CUDA_ARCH__)
+    asm volatile("" : "+r"(result));
+#endif
+    return result;
+""")
+def following(index: wp.int32) -> wp.int32:
+    """The next index of a loop. A GPU's compiler cannot count such a loop: it would have four copies of its body read
+    ahead, and the registers for that are those of the whole kernel."""

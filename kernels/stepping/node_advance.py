@@ -7,6 +7,7 @@ import warp as wp
 
 from ..contact.penalty import touch_struct
 from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
+from ..machine import following
 from ..operators import div, mul  # noqa: F401
 from ..records import store_record3, store_record4
 from ..rows import MOTION_RECORD_LENGTH, MotionRow, MovedRow
@@ -78,8 +79,10 @@ def follow_supports_function(real: type, lane_count: int):
     def follow_supports(present: Present, supports: Supports, travel: lanes3, velocity: lanes3):
         follows = freedom_mask(supports.held[present.block], 0, lanes3())
         driven = lanes3()
-        for k in range(supports.increment.shape[0]):
+        k = wp.int32(0)
+        while k < supports.increment.shape[0]:
             driven = driven + supports.increment[k] * load(supports.direction[k], present.block * lane_count, lanes3())
+            k = following(k)
         # the travel itself is prescribed, so that rounding of velocities does not accumulate
         return (
             travel + wp.cw_mul(follows, driven - travel),

@@ -6,6 +6,7 @@ import warp as wp
 
 from ..contact.penalty import touch_struct
 from ..lanes import GPU_LANE_COUNT, cross, lane_maximum, lane_types, load, where_positive
+from ..machine import following
 from ..operators import div, mul  # noqa: F401
 from ..records import SCALAR, gather4, vector_of
 from ..rows import ClockEntry, CornerRow, LoadRow, ThicknessRow
@@ -19,10 +20,12 @@ USUAL_CORNER_COUNT = 4
 def load_share(knot_time: wp.array(dtype=wp.float64), knot_share: wp.array(dtype=wp.float64), time: wp.float64):
     """Load factor, piecewise linear in time and constant beyond its ends."""
     result = knot_share[0]
-    for k in range(1, knot_time.shape[0]):
+    k = wp.int32(1)
+    while k < knot_time.shape[0]:
         if time > knot_time[k - 1]:
             part = wp.min((time - knot_time[k - 1]) / (knot_time[k] - knot_time[k - 1]), wp.float64(1.0))
             result = knot_share[k - 1] + part * (knot_share[k] - knot_share[k - 1])
+        k = following(k)
     return result
 
 

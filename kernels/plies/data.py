@@ -1,6 +1,7 @@
 """Data of one pass of an interface: the nodes of one ply on the facets of another."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
@@ -93,3 +94,14 @@ def listed_struct():
 
 # Count of a facet, or of a block of them, whose slots do not suffice: all nodes are looked through instead.
 TOO_MANY = wp.constant(-1)
+
+
+@wp.func
+def is_missing(listed: Any, facet: int, node: int):
+    """Whether the list of a facet lacks a node, so that the node's force would not be taken from the facet."""
+    count = listed.count[facet]
+    missing = count != TOO_MANY
+    for slot in range(count):
+        if listed.node[slot, facet] == node:
+            missing = False
+    return missing

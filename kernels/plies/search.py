@@ -14,7 +14,7 @@ from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow
 from ..stepping.step import fold_works_function
-from .data import LEAST_STRAY, NO_DEPTH, record_struct
+from .data import LEAST_STRAY, NO_DEPTH, is_missing, listed_struct, record_struct
 from .facet import facets_struct, patch_at, patch_functions
 from .stand import settle_function
 
@@ -52,9 +52,9 @@ def watch_struct(real: type):
     class Watch:
         entry: wp.array(dtype=wp.float64)  # see PassEntry
         travel: wp.array(dtype=real)  # [block]: longest way of a node since the lists were made [m]
-        late: wp.array(dtype=wp.int32)  # [block]: 1 if a pressed node had gone too far
+        late: wp.array(dtype=wp.int32)  # [block]: 1 if a pressed node had gone too far, or its facet lacked it
         deepest: wp.array(dtype=real)  # [block]: deepest penetration that makes a force [m]
-        found: wp.array(dtype=wp.int32)  # [node]: 1 if it has just found a foot
+        found: wp.array(dtype=wp.int32)  # [node]: 1 if it has just found a foot, or its facet lacks it
         foot: wp.array(dtype=vec3)  # [node]: place of its foot [m]
         stray: wp.array(dtype=wp.int32)  # nodes that have just found a foot
         drift: wp.array(dtype=real)  # [0]: how far nodes have moved since the boxes of groups of facets were made [m]
@@ -221,7 +221,7 @@ def nearest_facet_function(real: type):
 @cache
 def new_feet_functions(real: type, lane_count: int):
     """wp.funcs that write the feet of nodes that have just found one: within a sheet, and on another."""
-    lanes = lane_types(real, lane_count).lanes
+    lanes, Listed = lane_types(real, lane_count).lanes, listed_struct()
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
     Record, settle = record_struct(real, lane_count), settle_function(real, lane_count)
 
@@ -243,8 +243,8 @@ def new_feet_functions(real: type, lane_count: int):
 
     @wp.func
     def settle_feet(
-        facets: Facets, search: Search, motion: wp.array2d(dtype=lanes), record: Record, block: int, watch: Watch,
-        wakes: int,
+        facets: Facets, search: Search, motion: wp.array2d(dtype=lanes), record: Record, block: int, listed: Listed,
+        watch: Watch, wakes: int,
     ):  # fmt: skip
         """Find the feet of nodes that the old lists may lack: those are listed as ones that have just found a foot."""
         stray = record.rows[PlyRow.stray, block]
@@ -253,7 +253,7 @@ def new_feet_functions(real: type, lane_count: int):
         for i in range(lane_count):
             node = block * lane_count + i
             if not stray[i] > real(0.0):
-                if travel[i] >= search.skin:
+                if travel[i] >= search.skin or is_missing(listed, record.facet[block][i], node):
                     watch.found[node] = 1
                 chosen[i] = real(wp.max(watch.found[node], wakes))
         if lane_maximum(chosen) > real(0.0):
@@ -276,7 +276,7 @@ def seek_feet_kernel(real: type, lane_count: int):
     types = lane_types(real, lane_count)
     lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
     Facets, Search, Watch = facets_struct(real), search_struct(real), watch_struct(real)
-    Record = record_struct(real, lane_count)
+    Record, Listed = record_struct(real, lane_count), listed_struct()
     vectors = patch_functions(real, lane_count)[0]
     take_own_feet, settle_feet = new_feet_functions(real, lane_count)
     nearest_facet, fold_works = nearest_facet_function(real), fold_works_function(real, lane_count)
@@ -328,13 +328,15 @@ def seek_feet_kernel(real: type, lane_count: int):
         return wp.where(old > real(0.0) and not sleeps, 1, 0)
 
     @wp.func
-    def note_travel(search: Search, record: Record, block: int, watch: Watch):
+    def note_travel(search: Search, record: Record, block: int, listed: Listed, watch: Watch):
         """How far nodes have moved, and whether a pressed one has moved past the facets on which it was listed."""
         travel = record.rows[PlyRow.travel, block]
         late = wp.int32(0)
         for i in range(lane_count):
-            if record.standing[block][i] >= 0 and travel[i] > search.skin:
-                late = 1
+            facet = record.standing[block][i]
+            if facet >= 0:
+                missing = search.slot < 0 and is_missing(listed, facet, block * lane_count + i)
+                late = wp.where(missing or travel[i] > search.skin, 1, late)
         watch.late[block] = late
         watch.travel[block] = lane_maximum(travel)
         watch.deepest[block] = lane_maximum(record.rows[PlyRow.depth, block] - record.rows[PlyRow.entry, block])
@@ -354,6 +356,7 @@ def seek_feet_kernel(real: type, lane_count: int):
         facets: Facets,
         search: Search,
         motion: wp.array2d(dtype=lanes),  # of the nodes
+        listed: Listed,  # in the interval that is over
         # Out
         record: Record,
         watch: Watch,
@@ -377,11 +380,11 @@ def seek_feet_kernel(real: type, lane_count: int):
                 watch.found[node] = 0
         record.rows[PlyRow.stray, block] = stray
         wakes = watch_block(search, reach, record, block)
-        note_travel(search, record, block, watch)
+        note_travel(search, record, block, listed, watch)
         if search.slot >= 0:
             take_own_feet(record, block, watch)
         else:
-            settle_feet(facets, search, motion, record, block, watch, wakes)
+            settle_feet(facets, search, motion, record, block, listed, watch, wakes)
         note_feet(facets, record, block, watch)
         if wakes == 1:
             # within a sheet, lists are made anew at the next update

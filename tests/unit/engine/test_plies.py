@@ -9,6 +9,7 @@ from weavesim.engine.model import Model
 from weavesim.engine.plies.connectivity import edge_neighbours, free_edge_distance, home_elements, rings
 from weavesim.engine.plies.feet import find_feet
 from weavesim.engine.plies.groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
+from weavesim.kernels.pass_entries import PassEntry
 from weavesim.kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
 from weavesim.process import Coulomb
 from weavesim.sheet.blank import Blank
@@ -116,6 +117,33 @@ def test_no_pressed_node_is_missing_from_the_lists_while_plies_slide(slot_count,
 
 
 _ENDS: dict = {}
+
+
+@pytest.mark.parametrize("pressed", [True, False])
+def test_a_node_that_is_taken_out_of_a_list_is_listed_again_and_told_if_it_was_pressed(pressed):
+    """By hand, whatever made it missing."""
+    height, pressure = (THICKNESS, 2e4) if pressed else (1.2 * THICKNESS, 0.0)
+    sheets = [
+        ply("lower", square(0.03, 0.006), pressure=pressure),
+        ply("upper", square(0.02, 0.005, height, 20.0), pressure=-pressure),
+    ]
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=4e-3))
+    run.stepper.advance(4)
+    own = run.state.passes[0]
+    place = own.standing.numpy() if pressed else own.facet.numpy()
+    node = next(k for k in np.argsort(np.abs(sheets[1].blank.node_position).sum(axis=1)) if place[k] >= 0)
+    listed, count = own.listed.numpy(), own.listed_count.numpy()
+    facet = place[node]
+    rest = listed[: count[facet], facet]
+    assert node in rest and own.entry.numpy()[PassEntry.late] == 0.0
+    listed[: count[facet], facet] = np.append(rest[rest != node], -1)
+    count[facet] -= 1
+    own.listed.assign(listed)
+    own.listed_count.assign(count)
+    run.stepper.advance(1)
+    facet = own.facet.numpy()[node]
+    assert node in own.listed.numpy()[: own.listed_count.numpy()[facet], facet]
+    assert own.entry.numpy()[PassEntry.late] == pressed
 
 
 def test_plies_that_come_from_far_away_meet():

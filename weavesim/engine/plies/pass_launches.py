@@ -156,7 +156,8 @@ class PassLaunches:
         """Feet, and blocks to be watched; the works of the last steps are added to their sums."""
         self._launch(
             seek_feet_kernel(self._real, self._lanes), count,
-            [first, self._facets, self._search, self._motion], [self._record, self._watch, self._own.works_sum],
+            [first, self._facets, self._search, self._motion, self._listed],
+            [self._record, self._watch, self._own.works_sum],
         )  # fmt: skip
 
     def collect(self) -> None:

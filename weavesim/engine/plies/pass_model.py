@@ -110,6 +110,9 @@ class PassModel:
         self.squared_edge_distance = (EXCLUDED_THICKNESSES * self.thickness + 2.0 * math.sqrt(area)) ** 2
         box = (math.sqrt(area) + 2.0 * self.skin) ** 2
         self.slot_count = min(math.ceil(SPARE_SLOTS * (box / own_area + 1.0)), slave.node_count)
+        if not self.is_own:
+            # lists are made from those of the facets around: between two of them, no node passes a whole facet
+            self.skin = min(self.skin, least_width(master))
 
     @property
     def is_own(self) -> bool:
@@ -246,6 +249,13 @@ def nodal_areas(sheet: SheetModel) -> np.ndarray:
 def mean_facet_area(sheet: SheetModel) -> float:
     """Area around a node within the flat sheet, on the mean, which is that of its elements [m^2]."""
     return float(np.mean(sheet.geometry.area))
+
+
+def least_width(sheet: SheetModel) -> float:
+    """Smallest width of an element of the flat sheet: its area over its longest side [m]."""
+    corner = sheet.blank.material_coordinates[sheet.blank.quads]
+    side = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
+    return float((sheet.geometry.area / side).min())
 
 
 def mean_density(sheet: SheetModel) -> float:

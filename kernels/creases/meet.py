@@ -9,7 +9,7 @@ import warp as wp
 
 from ..rows import ClockEntry
 from .data import creases_struct, edges_struct
-from .pair import pair_force_function, pair_function
+from .pair import SUDDEN_WEIGHT, pair_force_function, pair_function
 from .pair_rows import CreaseCount, PairRow
 
 
@@ -39,7 +39,9 @@ def meet_creases_kernel(real: type):
                     begin = begin + (real(1.0) - at) * force
                     end = end + at * force
                     press, entry = creases.rows[PairRow.press, place], creases.rows[PairRow.entry, place]
-                    creases.deepest[edge] = wp.max(creases.deepest[edge], press)
+                    # of a contact that hardly pushes, the depth says nothing
+                    if pair.weight > real(SUDDEN_WEIGHT):
+                        creases.deepest[edge] = wp.max(creases.deepest[edge], press)
                     creases.largest_entry[edge] = wp.max(creases.largest_entry[edge], entry)
                 else:
                     creases.rows[PairRow.depth, place] = real(-1.0)

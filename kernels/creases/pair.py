@@ -135,8 +135,11 @@ def pair_force_function(real: type):
         usual = wp.max(step * wp.abs(wp.dot(pair.velocity, pair.normal)), real(USUAL_ENTRY) * edges.thickness)
         entry = wp.min(rows[PairRow.entry, place], wp.max(depth, real(0.0)))
         if rows[PairRow.depth, place] <= real(0.0):
-            sudden = depth > real(2.0) * usual and pair.weight > real(SUDDEN_WEIGHT)
+            deep = depth > real(2.0) * usual
+            sudden = deep and pair.weight > real(SUDDEN_WEIGHT)
             entry = wp.where(sudden, depth, real(0.0))
+            # what it stores at once is the work of its weight, from nothing
+            rows[PairRow.press, place] = wp.where(deep and not sudden, depth, real(0.0))
         rows[PairRow.depth, place] = depth
         rows[PairRow.entry, place] = entry
         return wp.max(depth - entry, real(0.0))

@@ -241,13 +241,16 @@ def sum_pairs_kernel(real: type):
         total = wp.int32(0)
         for c in range(creases.number[CreaseCount.creases]):
             search.first[c] = total
-            if total + search.count[c] > search.partner.shape[0]:
-                search.count[c] = 0
-                creases.number[CreaseCount.late] = 1
-                entry[PassEntry.late] = wp.float64(1.0)
             total = total + search.count[c]
             deepest = wp.float64(creases.deepest[creases.crease[c]])
             entry[PassEntry.deepest] = wp.max(entry[PassEntry.deepest], deepest)
+        if total > search.partner.shape[0]:
+            # no pairs at all, rather than some of which only one edge knows: that ends the run
+            for c in range(creases.number[CreaseCount.creases]):
+                search.count[c] = 0
+            total = 0
+            creases.number[CreaseCount.late] = 1
+            entry[PassEntry.late] = wp.float64(1.0)
         creases.number[CreaseCount.pairs] = total
 
     return sum_pairs

@@ -15,6 +15,9 @@ from .frame import Frame, SheetFrame
 
 # Of the thickness: deeper in each other, the side of a contact is no longer sure.
 LARGEST_PLY_PENETRATION = 0.3
+# Of the lists of creases of a sheet that touches itself.
+CROWDED = "more edges of creases came near to each other than there is room for, so that contacts are missed"
+CROWDED_ADVICE = "elements have folded onto each other: refine the mesh, or press less"
 
 
 class Failure(NamedTuple):
@@ -58,6 +61,10 @@ def find_failure(model: Model, state: State, last: Frame) -> Failure | None:
 
 
 def _late_contact(model: Model, state: State) -> Failure | None:
+    for creases, kept in zip(model.creases, state.creases, strict=True):
+        if kept.is_crowded():
+            text = f"{creases.own_pass.name}: before {state.time:.4g} s {CROWDED}; {CROWDED_ADVICE}"
+            return Failure(text, state.time, creases.sheet.name, None)
     for each, own in zip(model.passes, state.passes, strict=True):
         if own.entry.numpy()[PassEntry.late] > 0.0:
             text = (
@@ -99,13 +106,17 @@ def _pressed_through(model: Model, state: State) -> Failure | None:
         depth, limit = float(own.entry.numpy()[PassEntry.deepest]), LARGEST_PLY_PENETRATION * each.thickness
         if each.is_own and depth > limit:
             rows = own.read_rows(each)
-            x, y = each.slave.blank.material_coordinates[int((rows["depth"] - rows["entry"]).argmax())]
+            node = int((rows["depth"] - rows["entry"]).argmax())
+            for creases, kept in zip(model.creases, state.creases, strict=True):
+                if creases.own_pass is each:
+                    node = kept.deepest_node(creases, above=float((rows["depth"] - rows["entry"]).max()), other=node)
+            x, y = each.slave.blank.material_coordinates[node]
             whole = 2.0 if each.place.plane else 1.0  # to its mirror image, whose plane is half-way
             text = (
                 f"sheet {each.slave.name} is pressed {1e3 * whole * depth:.3g} mm into itself after "
                 f"{state.step_count} steps, {state.time:.4g} s, near ({x:.4g}, {y:.4g}) m on the flat blank; "
                 f"{1e3 * whole * limit:.3g} mm, {LARGEST_PLY_PENETRATION:.0%} of the thickness, are allowed, beyond "
-                "which it might leave on the wrong side: the pressure there is about "
+                "which it might leave on the wrong side: that takes a pressure of about "
                 f"{depth * each.area_stiffness:.3g} Pa; raise stiffness_share of its self_contact, up to 0.2, press "
                 "less, or move the tools more slowly"
             )

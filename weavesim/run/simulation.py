@@ -27,7 +27,7 @@ from .staging.course import Course
 from .start import Prepared, PreparedOnce
 from .verdict import RUN_FINDINGS, Judged, summary
 from .watch.stops import Stops
-from .watch.watch import STAGE_WATCH_COUNT, WATCH_COUNT, Watch
+from .watch.watch import STAGE_WATCH_COUNT, WATCH_COUNT, Watch, check_watch_count
 
 logger = logging.getLogger(__name__)
 
@@ -66,7 +66,9 @@ class Simulation(PreparedOnce):
         self, setup: Setup, *, run_id: str | None = None, watch_count: int | None = None, stop_on: Sequence[str] = ()
     ) -> None:
         super().__init__(setup, run_id)
-        self._watch_count = watch_count or (STAGE_WATCH_COUNT if setup.stages else WATCH_COUNT)
+        check_watch_count(watch_count)
+        usual = STAGE_WATCH_COUNT if setup.stages else WATCH_COUNT
+        self._watch_count = usual if watch_count is None else watch_count
         self.history: list[dict[str, float]] = []
         self.outcome: Outcome | None = None
         self.interrupted_by: str | None = None

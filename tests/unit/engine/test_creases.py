@@ -9,6 +9,7 @@ from weavesim import SelfContact, Setup, Sheet, Simulation, Solver
 from weavesim.engine.creases.crease_model import interior_edges
 from weavesim.kernels.creases.pair_rows import CreaseCount
 from weavesim.kernels.creases.search import LEAST_TURN, WHOLE_TURN
+from weavesim.run.diagnosis import find_failure
 from weavesim.sheet.blank import Blank
 
 SIZE = 1.5 * THICKNESS
@@ -84,3 +85,19 @@ def test_creases_are_listed_with_those_that_are_near():
 def test_the_state_carries_what_has_memory(name):
     run = searched(Blank.rectangle((0.0, 0.0), (6.0 * SIZE, 4.0 * SIZE), SIZE))
     assert f"creases/0/{name}" in run.state.content()
+
+
+def test_no_pair_is_listed_where_there_is_no_room_for_all(monkeypatch):
+    """Not some of which one edge alone knows: momentum is kept, and the run ends with the reason."""
+    room = {"ENTRIES_PER_EDGE": 1, "EDGES_OF_SMALL_SHEETS": 8, "ENTRIES_PER_EDGE_OF_LARGE_SHEETS": 0}
+    for name, count in room.items():
+        monkeypatch.setattr(f"weavesim.engine.creases.crease_model.{name}", count)
+    run = searched(fold_blank(SIZE, 6.0 * SIZE, 1.2 * THICKNESS, 4))
+    (own,) = run.state.creases
+    number = dict(zip(CreaseCount.names(), own.number.numpy().tolist(), strict=True))
+    assert number["creases"] > 1 and number["pairs"] == 0 and number["late"] == 1
+    assert not own.count.numpy().any()
+    failure = find_failure(run.model, run.state, run.frame)
+    assert (
+        failure is not None and "more edges of creases came near to each other than there is room for" in failure.text
+    )

@@ -72,6 +72,17 @@ class CreaseState:
         once = edge < partner
         return edge[once], partner[once], self.rows.numpy()[:, entry[once]].astype(np.float64)
 
+    def is_crowded(self) -> bool:
+        """Whether there was ever no room for all pairs; waits for the device."""
+        return bool(self.number.numpy()[CreaseCount.late])
+
+    def deepest_node(self, model: CreaseModel, above: float, other: int) -> int:
+        """A node of the edge that has ever been deepest, if deeper than ``above`` [m]; else ``other``."""
+        deepest = self.deepest.numpy()
+        if not len(deepest) or deepest.max() <= above:
+            return other
+        return int(model.nodes[int(deepest.argmax()), 0])
+
     def entries(self, model: CreaseModel) -> dict[str, float]:
         """Entries of the ledger [J], and the ``force`` of all springs [N]; waits for the device."""
         edge, other, rows = self.pairs()

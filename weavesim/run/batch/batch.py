@@ -19,6 +19,7 @@ from ..frame import Observer
 from ..interruption import Interruption, interrupted_by, interruption
 from ..simulation import Simulation
 from ..watch.stops import stop_levels
+from ..watch.watch import check_watch_count
 from .batch_run import BatchRun
 from .worlds import Worlds, alike, host_setup
 
@@ -27,7 +28,6 @@ logger = logging.getLogger(__name__)
 # A thread that replays steps asks for Python every block, which takes half a millisecond for a coarse sheet; others,
 # that take frames, must let it have its turn soon [s].
 SWITCH_INTERVAL = 2.0e-4
-LARGEST_WATCH_COUNT = 10_000
 
 ObserversOf = Callable[[int], Sequence[Observer]]
 Finished = Callable[[int, Simulation], None]
@@ -68,8 +68,7 @@ def run_batch(
         InputError: no such device or guard, or a bad number of threads or states.
     """
     stop_levels(stop_on)
-    if watch_count is not None and not 1 <= watch_count <= LARGEST_WATCH_COUNT:
-        raise InputError(f"watch_count = {watch_count}: 1 to {LARGEST_WATCH_COUNT} are allowed")
+    check_watch_count(watch_count)
     setups = tuple(setups)
     for index, setup in enumerate(setups):
         if not isinstance(setup, Setup):

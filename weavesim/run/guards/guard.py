@@ -148,7 +148,7 @@ class Guard:
         return ()
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
-        """Called about a hundred times in a run, at times that do not depend on its frames; nothing is returned."""
+        """Called about eighty times in a run, at times that do not depend on its frames; nothing is returned."""
 
     def after(self, run: Judged) -> Iterable[Doubt]:
         """Doubts about the run so far; may be called more than once."""

@@ -8,6 +8,7 @@ from dataclasses import astuple
 from typing import Any
 
 from ...engine.model import Model
+from ...errors import InputError
 from ..frame import Frame
 from ..ledger import Ledger
 from ..sheet_ledger import NO_PENETRATION, Penetration
@@ -23,6 +24,14 @@ STAGE_WATCH_COUNT = 100
 # At about so many of them the sheets are searched for parts that pass through each other, which takes longer; of few
 # states, at every third one.
 CONDITION_COUNT, LEAST_CONDITION_INTERVAL = 27, 3
+# More looks than steps of a coarse run would only cost time.
+LARGEST_WATCH_COUNT = 10_000
+
+
+def check_watch_count(count: int | None) -> None:
+    """Raise ``InputError`` if there cannot be so many looks; None is the usual number."""
+    if count is not None and not 1 <= count <= LARGEST_WATCH_COUNT:
+        raise InputError(f"watch_count = {count}: 1 to {LARGEST_WATCH_COUNT} are allowed")
 
 
 class Watch:
@@ -45,7 +54,6 @@ class Watch:
 
     def __init__(self, prepared: Prepared, count: int = WATCH_COUNT) -> None:
         self._count = count
-        self._condition_interval = max(LEAST_CONDITION_INTERVAL, math.ceil(count / CONDITION_COUNT))
         self._begin, self._duration, self._state = 0.0, prepared.info.duration, prepared.state
         self._ledger, self._guards = prepared.ledger, prepared.guards
         self.extremes = Extremes(prepared.model)
@@ -55,6 +63,10 @@ class Watch:
         self.penetration: Penetration = NO_PENETRATION
         self._last_step = -1
         self._next = 1
+
+    @property
+    def _condition_interval(self) -> int:
+        return max(LEAST_CONDITION_INTERVAL, math.ceil(self._count / CONDITION_COUNT))
 
     @property
     def next_time(self) -> float:
@@ -91,9 +103,10 @@ class Watch:
                 condition.look(sheet, frame.time)
             for stack in self.stacks:
                 stack.look(frame.sheets, frame.time)
+        self._next = following
         if not new:
             return
-        self._last_step, self._next = frame.step_count, following
+        self._last_step = frame.step_count
         self.history.append({"time": frame.time, "stroke": frame.stroke, **frame.energies})
         self.penetration = self.penetration.deeper(self._ledger.penetration(frame))
         self.extremes.read(self._state, frame.time)
@@ -108,6 +121,7 @@ class Watch:
             "conditions": [condition.memory() for condition in self.conditions],
             "stacks": [stack.memory() for stack in self.stacks],
             "last_step": self._last_step,
+            "count": self._count,
             "next": self._next,
             "begin": self._begin,
             "duration": self._duration,
@@ -123,5 +137,6 @@ class Watch:
             condition.recall(own)
         for stack, own in zip(self.stacks, memory["stacks"], strict=True):
             stack.recall(own)
-        self._last_step, self._next = memory["last_step"], memory["next"]
+        # a run that goes on has the looks that it began with
+        self._count, self._next, self._last_step = memory["count"], memory["next"], memory["last_step"]
         self._begin, self._duration = memory["begin"], memory["duration"]

@@ -82,7 +82,7 @@ def test_guards_that_judge_the_end_cannot_end_a_run():
 
 @pytest.mark.parametrize("level", LIMITS)
 @pytest.mark.parametrize("frame_count", [1, 7])
-def test_a_guard_ends_a_run_within_a_hundredth_of_it(level, frame_count):
+def test_a_guard_ends_a_run_within_a_look_of_it(level, frame_count):
     simulation, frames = (
         Simulation(pulled(0.3, frame_count), stop_on=[f"{GUARD}:{level.label.replace(' ', '-')}"]),
         Frames(),

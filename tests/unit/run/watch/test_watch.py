@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from tests.support.runs import small_run
+from weavesim import Simulation
+from weavesim.errors import InputError
 from weavesim.run.watch.watch import WATCH_COUNT
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
@@ -49,3 +51,30 @@ def test_states_are_about_evenly_spaced(runs):
     time = np.array([entry["time"] for entry in runs[0].watch.history])
     step = runs[0].state.step
     assert np.diff(time).max() < 4e-4 / WATCH_COUNT + 21 * step and np.diff(time).min() > 0.0
+
+
+@pytest.mark.parametrize("count", [20, 200])
+def test_a_run_that_goes_on_has_the_looks_that_it_began_with(count):
+    """Also one with another number of them: a time in the past would be waited for without end."""
+    setup = small_run(duration=4e-4).setup
+    begun, other = Simulation(setup, watch_count=count), Simulation(setup)
+    begun.run()
+    other.run()
+    assert other.watch.next_time != begun.watch.next_time
+    other.watch.recall(begun.watch.memory())
+    assert other.watch.next_time == begun.watch.next_time
+
+
+def test_a_state_that_was_looked_at_is_not_waited_for(runs):
+    """A run that goes on may begin with it."""
+    run = runs[0]
+    memory = run.watch.memory()
+    run.watch.recall({**memory, "next": 1})
+    run.watch.look(run.frame)
+    assert run.watch.next_time > run.frame.time and len(run.watch.history) == len(memory["history"])
+
+
+@pytest.mark.parametrize("count", [-1, 0, 20_000])
+def test_an_impossible_number_of_looks_is_refused(count):
+    with pytest.raises(InputError, match=f"watch_count = {count}: 1 to"):
+        Simulation(small_run().setup, watch_count=count)

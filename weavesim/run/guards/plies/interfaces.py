@@ -9,7 +9,7 @@ import numpy as np
 
 from ....kernels.pass_entries import PassEntry
 from ....process.friction import Friction
-from ...diagnosis import LARGEST_PLY_PENETRATION
+from ...diagnosis import CROWDED, CROWDED_ADVICE, LARGEST_PLY_PENETRATION
 from ..friction.tables import LEAST_VISCOUS_SHARE, BeyondTables
 from ..guard import Doubt, Guard, Level, Start
 
@@ -94,7 +94,10 @@ class Interfaces(Guard):
     def _of_pass(self, run: Judged, k: int, model: PassModel) -> Iterator[Doubt]:
         own = run.run.state.passes[k]
         name, rows = model.name, own.read_rows(model)
-        if own.entry.numpy()[PassEntry.late] > 0.0:
+        creases = zip(run.run.model.creases, run.run.state.creases, strict=True)
+        if any(each.own_pass is model and kept.is_crowded() for each, kept in creases):
+            yield self.doubt(Level.DO_NOT_USE, f"{name}: {CROWDED}", CROWDED_ADVICE)
+        elif own.entry.numpy()[PassEntry.late] > 0.0:
             yield self.doubt(
                 Level.DO_NOT_USE,
                 f"{name}: a node went past the facets on which it was looked for, so that a contact may have "

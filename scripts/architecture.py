@@ -57,7 +57,7 @@ ROOMS = {
 }
 # The rooms of kernels, row by row from the top; "" stands for the modules outside its folders.
 KERNEL_ROWS = (
-    ("worlds", "carried"),
+    ("worlds", "carried", "creases"),
     ("loads", "plies"),
     ("stepping", "shell"),
     ("contact", "laws", "cell"),

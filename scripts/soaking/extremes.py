@@ -44,7 +44,8 @@ NARROW = {"narrow_tool", "tool_radius"}
 EXPECTED: dict[str, set[str]] = {
     "sheared: yarns a thousand times stiffer": CRUMPLED | {"law_range"},
     "sheared: membrane 1000 : 1": CRUMPLED,
-    "sheared: hardly any shear stiffness": CRUMPLED,
+    # it is flat again, and turned over, at every look at which folds are sought: it goes through itself between two
+    "sheared: hardly any shear stiffness": {"inverted_elements"},
     "stretched: shear as stiff as the yarns": {"hourglass_energy"},
     "sheared: shear as stiff as the yarns": {"hourglass_energy"},
     "falls on a table with 100 m/s": {"penetration_at_nodes"},

@@ -41,11 +41,12 @@ STRAIN, ANGLE = 5.0e-3, 0.22
 # What guards have to say, and no others; where nothing stands, nothing.
 CRUMPLED = {"folded_elements", "inverted_elements", "self_intersection"}
 NARROW = {"narrow_tool", "tool_radius"}
+# What goes through itself in a moment is found only by a look in it: the expectations are those of so many.
+LOOKS = 100
 EXPECTED: dict[str, set[str]] = {
     "sheared: yarns a thousand times stiffer": CRUMPLED | {"law_range"},
     "sheared: membrane 1000 : 1": CRUMPLED,
-    # it is flat again, and turned over, at every look at which folds are sought: it goes through itself between two
-    "sheared: hardly any shear stiffness": {"inverted_elements"},
+    "sheared: hardly any shear stiffness": CRUMPLED,
     "stretched: shear as stiff as the yarns": {"hourglass_energy"},
     "sheared: shear as stiff as the yarns": {"hourglass_energy"},
     "falls on a table with 100 m/s": {"penetration_at_nodes"},
@@ -189,10 +190,10 @@ def thrown(
     x, y = blank.node_position[:, :2].T
     if motion == "fall":
         velocity[:, 2] = -speed
-        return Simulation(setup(max(step, 3.0e-3 / speed / steps), velocity))
+        return Simulation(setup(max(step, 3.0e-3 / speed / steps), velocity), watch_count=LOOKS)
     rate = amount / (0.25 * steps * step)
     velocity[:, 0], velocity[:, 1] = (rate * y, rate * x) if motion == "shear" else (rate * x, rate * y)
-    return Simulation(setup(step, velocity))
+    return Simulation(setup(step, velocity), watch_count=LOOKS)
 
 
 def rows() -> Iterator[Row]:

@@ -15,8 +15,6 @@ from ..engine.state import State
 
 # What an interface stores, loses and is supplied with, as the entries of the ledger name it.
 ENTRIES = ("ply_contact", "ply_friction_spring", "ply_friction_loss", "ply_damping_loss", "ply_thickness_work")
-# Energies of the instant; the others are works of the steps so far.
-STORED = ENTRIES[:2]
 
 
 class InterfaceLedger:
@@ -79,7 +77,7 @@ class InterfaceLedger:
             entry["max_pressure_pa"] = max(entry["max_pressure_pa"], pressure)
             for key, row in (("max_slip_mm", "slip"), ("max_entry_mm", "largest_entry")):
                 entry[key] = max(entry[key], 1e3 * float(rows[row].max()))
-        for (place, entries), creases in zip(self._of_creases(ahead), ahead.creases, strict=True):
+        for (place, entries), creases in zip(self._of_creases(ahead, True), ahead.creases, strict=True):
             deepest = float(creases.largest_entry.numpy().max(initial=0.0))
             result[place]["force_n"] += entries["force"]
             result[place]["max_entry_mm"] = max(result[place]["max_entry_mm"], 1e3 * deepest)
@@ -92,16 +90,15 @@ class InterfaceLedger:
         for model, own in zip(self.passes, ahead.passes, strict=True):
             for name, value in _entries(model, own, started).items():
                 result[model.place.interface][name] += value
-        for place, entries in self._of_creases(ahead):
+        for place, entries in self._of_creases(ahead, started):
             for name in ENTRIES:
-                # as in ``_entries``, works are those of steps that are done
-                result[place][name] += entries[name] if started or name in STORED else 0.0
+                result[place][name] += entries[name]
         return result
 
-    def _of_creases(self, ahead: State) -> Iterator[tuple[int, dict[str, float]]]:
+    def _of_creases(self, ahead: State, started: bool) -> Iterator[tuple[int, dict[str, float]]]:
         """The contact to which the creases of each sheet belong, and their entries."""
         for model, own in zip(self._creases, ahead.creases, strict=True):
-            yield model.own_pass.place.interface, own.entries(model)
+            yield model.own_pass.place.interface, own.entries(model, started)
 
 
 def _entries(model: PassModel, own: PassState, started: bool) -> dict[str, float]:

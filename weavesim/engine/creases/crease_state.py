@@ -83,13 +83,17 @@ class CreaseState:
             return other
         return int(model.nodes[int(deepest.argmax()), 0])
 
-    def entries(self, model: CreaseModel) -> dict[str, float]:
-        """Entries of the ledger [J], and the ``force`` of all springs [N]; waits for the device."""
+    def entries(self, model: CreaseModel, started: bool) -> dict[str, float]:
+        """Entries of the ledger [J], and the ``force`` of all springs [N]; waits for the device.
+
+        Without a step that is ``started`` no work has been done yet.
+        """
         edge, other, rows = self.pairs()
         stiffness = np.minimum(model.stiffness[edge], model.stiffness[other])
         push = stiffness * rows[PairRow.weight] * rows[PairRow.press]
         spring = 0.5 * TANGENTIAL_RATIO * float(stiffness @ np.square(rows[PairRow.spring.span]).sum(axis=0))
-        works = dict(zip(CreaseWorkRow.names(), self.works.numpy().sum(axis=1).tolist(), strict=True))
+        sums = float(started) * self.works.numpy().sum(axis=1)
+        works = dict(zip(CreaseWorkRow.names(), sums.tolist(), strict=True))
         return {
             "force": float(push.sum()),
             "ply_contact": 0.5 * float(push @ rows[PairRow.press]),

@@ -27,6 +27,7 @@ def edges_struct(real: type):
         edge_count: wp.int32
         thickness: real  # distance at which edges touch [m]
         squared_exclusion: real  # nearer on the flat blank, edges are neighbours [m^2]
+        turning: real  # both faces move at least this far while facets turn against each other by one radian [m]
         damping_time: real  # normal dashpot over normal spring [s]
         tangential_ratio: real  # friction spring over normal spring
         coefficient: wp.array(dtype=real)  # of friction; the first counts
@@ -42,6 +43,7 @@ def creases_struct(real: type):
     @wp.struct
     class Creases:
         number: wp.array(dtype=wp.int32)  # see CreaseCount
+        quiet: wp.array(dtype=real)  # [0]: way that both faces may still move before there can be a crease [m]
         crease: wp.array(dtype=wp.int32)  # edges with a weight, ascending
         weight: wp.array(dtype=real)  # [edge]: 0 where the sheet is flat, 1 at a crease
         inward: wp.array2d(dtype=vec3)  # [facet, edge]: unit vectors across the edge into its facets
@@ -65,6 +67,7 @@ def crease_search_struct(real: type):
     @wp.struct
     class CreaseSearch:
         of_group: wp.array(dtype=wp.int32)  # [group of edges]: creases, then those before it
+        largest_turn: wp.array(dtype=real)  # [group of edges] [rad]
         low: wp.array(dtype=vec3)  # [group of creases]: corners of their box, with half of what they may move [m]
         high: wp.array(dtype=vec3)
         first: wp.array(dtype=wp.int32)  # [place in the list of creases]

@@ -17,45 +17,58 @@ WHOLE_TURN = wp.constant(0.698132)
 @cache
 def look_at_edges_kernel(real: type):
     """Kernel over groups of edges: how sharp each is, and how many creases there are."""
+    vec3 = wp.types.vector(3, real)
     Edges, Creases, Search = edges_struct(real), creases_struct(real), crease_search_struct(real)
     _, between = place_functions(real)
 
     @wp.func
-    def into(edges: Edges, edge: int, place: int):
+    def into(edges: Edges, edge: int, place: int, along: vec3):
         """Unit vector across the edge into the facet whose other nodes are at ``place``."""
-        along = between(edges, 1, edge, 0, edge)
         across = between(edges, place, edge, 0, edge) + between(edges, place + 1, edge, 1, edge)
         return wp.normalize(across - (wp.dot(across, along) / wp.dot(along, along)) * along)
 
     @wp.kernel(module="unique", enable_backward=False)
     def look_at_edges(start: wp.int32, stride: wp.int32, edges: Edges, creases: Creases, search: Search):
+        if creases.quiet[0] > real(0.0):
+            return
         for group in range(start + wp.tid(), search.of_group.shape[0], stride):
             count = wp.int32(0)
+            largest = real(0.0)
             for edge in range(group * GROUP, wp.min((group + 1) * GROUP, edges.edge_count)):
-                one, other = into(edges, edge, 2), into(edges, edge, 4)
+                along = between(edges, 1, edge, 0, edge)
+                one, other = into(edges, edge, 2, along), into(edges, edge, 4, along)
                 turn = wp.acos(wp.clamp(-wp.dot(one, other), real(-1.0), real(1.0)))
                 share = (turn - real(LEAST_TURN)) / (real(WHOLE_TURN) - real(LEAST_TURN))
                 creases.weight[edge] = wp.clamp(share, real(0.0), real(1.0))
                 creases.inward[0, edge] = one
                 creases.inward[1, edge] = other
                 count = count + wp.where(share > real(0.0), 1, 0)
+                largest = wp.max(largest, turn)
             search.of_group[group] = count
+            search.largest_turn[group] = largest
 
     return look_at_edges
 
 
 @cache
 def sum_creases_kernel(real: type):
-    """Kernel of one thread: where each group lists its creases."""
-    Creases, Search = creases_struct(real), crease_search_struct(real)
+    """Kernel of one thread: where each group lists its creases, and how long there can be none."""
+    Edges, Creases, Search = edges_struct(real), creases_struct(real), crease_search_struct(real)
 
     @wp.kernel(module="unique", enable_backward=False)
-    def sum_creases(creases: Creases, search: Search):
+    def sum_creases(edges: Edges, entry: wp.array(dtype=wp.float64), creases: Creases, search: Search):
+        reach = real(entry[PassEntry.reach])
+        if creases.quiet[0] > real(0.0):
+            creases.quiet[0] = creases.quiet[0] - reach
+            return
         total = wp.int32(0)
+        largest = real(0.0)
         for group in range(search.of_group.shape[0]):
             count = search.of_group[group]
             search.of_group[group] = total
             total = total + count
+            largest = wp.max(largest, search.largest_turn[group])
+        creases.quiet[0] = edges.turning * (real(LEAST_TURN) - largest) - reach
         # a single crease meets nothing
         creases.number[CreaseCount.creases] = wp.where(total > 1, total, 0)
 

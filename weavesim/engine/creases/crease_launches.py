@@ -52,7 +52,7 @@ class CreaseLaunches:
         def zeros(like: Any, dtype: Any) -> wp.array:
             return wp.zeros(like, dtype=dtype, device=model.device)
 
-        search.of_group = zeros(group_count, wp.int32)
+        search.of_group, search.largest_turn = zeros(group_count, wp.int32), zeros(group_count, model.real)
         search.low, search.high = zeros(group_count, vec3), zeros(group_count, vec3)
         search.first, search.count = zeros(model.edge_count, wp.int32), zeros(model.edge_count, wp.int32)
         search.partner = zeros(model.entry_count, wp.int32)
@@ -90,7 +90,7 @@ class CreaseLaunches:
         if phase == 0:
             self._launch(look_at_edges_kernel(real), group_count, part, [edges, creases, search])
         elif phase == 1 and thread == 0:
-            self._launch_one(sum_creases_kernel(real), [creases, search])
+            self._launch_one(sum_creases_kernel(real), [edges, entry, creases, search])
         elif phase == 2:
             self._launch(list_creases_kernel(real), group_count, part, [edges, creases, search])
         elif phase == 3:

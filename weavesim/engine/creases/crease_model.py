@@ -9,7 +9,7 @@ import warp as wp
 
 from ...kernels.creases.data import edges_struct
 from ...process.self_contact import SelfContact
-from ..plies.connectivity import free_edge_nodes
+from ..plies.connectivity import free_edge_nodes, turning_way
 from ..plies.groups import compact_groups
 from ..plies.pass_model import PassModel
 from ..sheet_model import TANGENTIAL_RATIO
@@ -59,6 +59,7 @@ class CreaseModel:
         edges.overlap = self._numbers(self._overlap())
         edges.motion, edges.stride, edges.edge_count = motion, sheet.motion_layout.stride, self.edge_count
         edges.thickness, edges.squared_exclusion = own.thickness, own.squared_exclusion
+        edges.turning = turning_way(flat)
         law = own.law()
         edges.damping_time, edges.tangential_ratio = law.damping_time, TANGENTIAL_RATIO
         edges.coefficient = law.friction.coefficient

@@ -19,6 +19,7 @@ class CreaseState:
     """What the kernels write of the creases of one sheet: see ``creases_struct``."""
 
     number: wp.array
+    quiet: wp.array
     crease: wp.array
     weight: wp.array
     inward: wp.array
@@ -42,6 +43,7 @@ class CreaseState:
 
         return cls(
             number=zeros(CreaseCount.row_count(), wp.int32),
+            quiet=zeros(1),
             crease=zeros(edges, wp.int32),
             weight=zeros(edges),
             inward=zeros((2, edges), vec3),

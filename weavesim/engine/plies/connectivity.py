@@ -8,6 +8,17 @@ from ...kernels.plies.facet import FREE_EDGE, SYMMETRY_EDGE
 from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 
+# Two normals turn against each other by at most this over the shortest edge of the flat sheet, for every metre that
+# both faces move: an edge of half that length turns by twice a node's way over its length, a normal between edges at 30
+# degrees by four times that, and by half as much more as the weights of its elements change.
+TURNING_OF_EDGES = 24.0
+
+
+def turning_way(blank: Blank) -> float:
+    """What both faces move at least while normals, or facets, turn against each other by one radian [m]."""
+    corners = blank.material_coordinates[blank.quads]
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()) / TURNING_OF_EDGES
+
 
 def edge_neighbours(blank: Blank, symmetry: Symmetry) -> np.ndarray:
     """The element beyond every edge, FREE_EDGE or SYMMETRY_EDGE, (element_count, 4) int32.

@@ -17,6 +17,7 @@ from ...kernels.plies.own_search import (
     seek_own_facets_kernel,
     sheet_points_struct,
 )
+from .connectivity import turning_way
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
 from .pass_launches import group_count
@@ -24,10 +25,6 @@ from .pass_model import PassModel
 
 # Groups hang together up to this much of the distance at which nodes are followed: for what moves between updates.
 SPARE_REACH = 1.5
-# Two normals turn against each other by at most this over the shortest edge of the flat sheet, for every metre that
-# both faces move: an edge of half that length turns by twice a node's way over its length, a normal between edges at 30
-# degrees by four times that, and by half as much more as the weights of its elements change.
-TURNING_OF_EDGES = 24.0
 
 
 class OwnSearch:
@@ -71,9 +68,7 @@ class OwnSearch:
         points.normal_entry = self._integers(normal_layout(sheet).entry(0, node))
         points.facets = model.facets(motion, normals)
         points.touching = self._integers(touching)
-        corners = sheet.blank.material_coordinates[sheet.blank.quads]
-        shortest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()
-        points.turning = float(shortest) / TURNING_OF_EDGES
+        points.turning = turning_way(sheet.blank)
         points.thickness, points.skin, points.farthest = model.thickness, model.skin, max(1.1, model.farthest)
         points.squared_exclusion, points.squared_edge_distance = model.squared_exclusion, model.squared_edge_distance
         return points

@@ -7,6 +7,7 @@ from tests.support.folded_strips import fold_blank
 from tests.support.stacked_plies import FABRIC, THICKNESS
 from weavesim import SelfContact, Setup, Sheet, Simulation, Solver
 from weavesim.engine.creases.crease_model import interior_edges
+from weavesim.engine.plies.connectivity import TURNING_OF_EDGES
 from weavesim.kernels.creases.pair_rows import CreaseCount
 from weavesim.kernels.creases.search import LEAST_TURN, WHOLE_TURN
 from weavesim.run.diagnosis import find_failure
@@ -101,3 +102,14 @@ def test_no_pair_is_listed_where_there_is_no_room_for_all(monkeypatch):
     assert (
         failure is not None and "more edges of creases came near to each other than there is room for" in failure.text
     )
+
+
+def test_a_sheet_at_rest_is_not_looked_at_again_until_it_could_have_creased():
+    """The way that is left is that to 20 degrees; a sheet with creases is looked at every time."""
+    flat, folded = (
+        searched(Blank.rectangle((0.0, 0.0), (6.0 * SIZE, 4.0 * SIZE), SIZE)),
+        searched(fold_blank(SIZE, 6.0 * SIZE, 1.2 * THICKNESS, 4)),
+    )
+    left = float(flat.state.creases[0].quiet.numpy()[0])
+    assert left == pytest.approx(float(LEAST_TURN) * SIZE / TURNING_OF_EDGES, rel=1e-3)
+    assert float(folded.state.creases[0].quiet.numpy()[0]) <= 0.0

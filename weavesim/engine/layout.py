@@ -117,3 +117,16 @@ class Span:
     def of(self, array: wp.array) -> wp.array:
         """These entries, on the same memory."""
         return array[self.start : self.stop] if self.count else wp.empty(0, dtype=array.dtype, device=array.device)
+
+
+def slots_of_nodes(node: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places in a table [slot, node] of what lies around each node.
+
+    Args:
+        node: of every entry, (n,) int.
+
+    Returns:
+        Entries in ascending order of their nodes, (n,); the slot of each of these, (n,), from 0 for every node.
+    """
+    order = np.argsort(node, kind="stable")
+    return order, np.arange(len(node)) - np.searchsorted(node[order], node[order])

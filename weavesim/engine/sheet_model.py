@@ -33,7 +33,7 @@ from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
-from .layout import RowLayout, Span, lanes_view, padded
+from .layout import RowLayout, Span, lanes_view, padded, slots_of_nodes
 from .mesh.elements import element_tables, inverse, rows_padded
 from .setup import STEP_SAFETY, World
 from .staging.trimming import waste_nodes
@@ -290,8 +290,7 @@ class SheetModel:
         corner = np.tile(np.arange(4), self.blank.element_count)
         element = np.repeat(np.arange(self.blank.element_count), 4)
         node = self.blank.quads.ravel()
-        order = np.argsort(node, kind="stable")
-        slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
+        order, slot = slots_of_nodes(node)
         # entries of a padding element are always zero: nodes with fewer neighbours read them
         spare = self.corners.entry(0, self.blank.element_count)
         table = np.full((max(slot.max() + 1, USUAL_CORNER_COUNT), self.node_count), spare, dtype=np.int32)

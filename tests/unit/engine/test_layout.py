@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from weavesim.engine.layout import BLOCK, RowLayout, lanes_view, padded
+from weavesim.engine.layout import BLOCK, RowLayout, lanes_view, padded, slots_of_nodes
 
 ROWS, LENGTH = 5, 48
 
@@ -67,3 +67,9 @@ def test_lanes_are_seen_in_an_array_of_numbers():
     view = lanes_view(array, 16)
     assert view.shape == (ROWS, LENGTH // 16)
     assert np.array_equal(view.numpy().reshape(ROWS, LENGTH), numbers())
+
+
+def test_slots_count_the_entries_of_every_node():
+    order, slot = slots_of_nodes(np.array([2, 0, 2, 5, 0, 2]))
+    assert order.tolist() == [1, 4, 0, 2, 5, 3]
+    assert slot.tolist() == [0, 1, 0, 1, 2, 0]

@@ -9,6 +9,7 @@ import warp as wp
 
 from ...kernels.creases.data import edges_struct
 from ...process.self_contact import SelfContact
+from ..layout import slots_of_nodes
 from ..plies.connectivity import free_edge_nodes, turning_way
 from ..plies.groups import compact_groups
 from ..plies.pass_model import PassModel
@@ -112,8 +113,7 @@ def interior_edges(quads: np.ndarray, flat: np.ndarray) -> np.ndarray:
 
 def _around(ends: np.ndarray, node_count: int) -> np.ndarray:
     node, code = ends.ravel(), np.arange(ends.size)
-    order = np.argsort(node, kind="stable")
-    slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
+    order, slot = slots_of_nodes(node)
     result = np.full((int(slot.max(initial=0)) + 1, node_count), -1, dtype=np.int32)
     result[slot, node[order]] = code[order]
     return result

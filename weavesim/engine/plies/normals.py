@@ -7,7 +7,7 @@ import warp as wp
 
 from ...kernels.plies.normals import NORMAL_ROW_COUNT, normal_table_struct, surface_normals_kernel
 from ...sheet.symmetry import AXES
-from ..layout import RowLayout, lanes_view
+from ..layout import RowLayout, lanes_view, slots_of_nodes
 from ..sheet_model import SheetModel
 
 
@@ -50,8 +50,7 @@ class NormalLaunch:
 def _table(sheet: SheetModel):
     blank, lane_count = sheet.blank, sheet.lane_count
     quads, node = blank.quads, blank.quads.ravel()
-    order = np.argsort(node, kind="stable")
-    slot = np.arange(len(node)) - np.searchsorted(node[order], node[order])
+    order, slot = slots_of_nodes(node)
     # a node without a further element sees itself, and no area
     own = sheet.motion_layout.entry(0, np.arange(sheet.node_count))
     tables: list[wp.array] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, overload
 
@@ -10,6 +11,8 @@ import warp as wp
 
 # Arrays are padded to whole blocks of the widest lanes, whatever lane count the kernels use.
 BLOCK = 16
+# Bytes of a line of the cache.
+LINE = 64
 
 
 def padded(count: int, spare: int) -> int:
@@ -24,6 +27,39 @@ def lanes_view(array: wp.array, lane_count: int) -> wp.array:
     view: Any = wp.array(ptr=array.ptr, dtype=lanes, shape=shape, device=array.device, capacity=array.capacity)
     view._owner = array
     return view
+
+
+def rows_together(arrays: Mapping[str, wp.array], lane_count: int) -> dict[str, wp.array]:
+    """Copies of arrays ([row, item] or [item], padded) as ``lanes_view`` has them, the rows of a block side by side.
+
+    A block then reads one piece of memory instead of one in each row, which are on different pages: more of them than
+    a processor fetches ahead. All arrays have items of the same blocks; they share one allocation.
+    """
+    device = next(iter(arrays.values())).device
+    values = {name: array.numpy().reshape(-1, array.shape[-1]) for name, array in arrays.items()}
+    blocks = {
+        name: np.ascontiguousarray(rows.reshape(len(rows), -1, lane_count).swapaxes(0, 1)).view(np.uint8)
+        for name, rows in values.items()
+    }
+    together = np.concatenate([rows.reshape(len(rows), -1) for rows in blocks.values()], axis=1)
+    memory = wp.empty(together.size + LINE, dtype=wp.uint8, device=device)
+    place, result = -memory.ptr % LINE, {}
+    memory[place : place + together.size].assign(together.ravel())
+    for name, array in arrays.items():
+        row = lane_count * np.dtype(values[name].dtype).itemsize
+        strides = (row, together.shape[1])[2 - array.ndim :]
+        view: Any = wp.array(
+            ptr=memory.ptr + place,
+            dtype=wp.types.vector(lane_count, array.dtype),
+            shape=(*array.shape[:-1], len(together)),
+            strides=strides,
+            device=device,
+            capacity=array.capacity,
+        )
+        view._owner = memory
+        result[name] = view
+        place += row * len(values[name])
+    return result
 
 
 @dataclass(frozen=True)

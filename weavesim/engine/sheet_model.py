@@ -33,7 +33,7 @@ from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
-from .layout import RowLayout, Span, lanes_view, padded, slots_of_nodes
+from .layout import RowLayout, Span, lanes_view, padded, rows_together, slots_of_nodes
 from .mesh.elements import element_tables, inverse, rows_padded
 from .setup import STEP_SAFETY, World
 from .staging.trimming import waste_nodes
@@ -49,6 +49,8 @@ SPARE_DISTANCE = 0.5
 REFRESH_INTERVAL = 20
 # Padding elements use this many nodes of their own.
 SPARE_NODE_COUNT = 4
+# Elements from which their constants lie together block by block (docs/decisions/0066).
+LARGE_SHEET = 4096
 # Rows of the motion array that make each of MOTION_VECTORS, (vectors, 3).
 _VECTOR_ROWS = np.array([np.arange(MotionRow.row_count())[MotionRow[name].span] for name in MOTION_VECTORS])
 
@@ -262,8 +264,12 @@ class SheetModel:
 
     def _elements(self, lane_count: int):
         elements = element_struct(self.real, lane_count)()
-        for name, array in self._element_arrays.items():
-            setattr(elements, name, lanes_view(array, lane_count))
+        views = {name: lanes_view(array, lane_count) for name, array in self._element_arrays.items()}
+        if lane_count > 1 and self.element_count >= LARGE_SHEET:
+            whole = {n: a for n, a in self._element_arrays.items() if a.shape[-1] == self.element_count}
+            views |= rows_together(whole, lane_count)
+        for name, view in views.items():
+            setattr(elements, name, view)
         elements.node_stride = self.motion_layout.stride
         return elements
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from weavesim.engine.layout import BLOCK, RowLayout, lanes_view, padded, slots_of_nodes
+from weavesim.engine.layout import BLOCK, LINE, RowLayout, lanes_view, padded, rows_together, slots_of_nodes
 
 ROWS, LENGTH = 5, 48
 
@@ -73,3 +73,23 @@ def test_slots_count_the_entries_of_every_node():
     order, slot = slots_of_nodes(np.array([2, 0, 2, 5, 0, 2]))
     assert order.tolist() == [1, 4, 0, 2, 5, 3]
     assert slot.tolist() == [0, 1, 0, 1, 2, 0]
+
+
+def test_rows_of_a_block_lie_together_in_lines_of_their_own():
+    count = 3 * BLOCK
+    numbers = np.arange(2.0 * count).reshape(2, count)
+    arrays = {
+        "entry": wp.array(np.arange(4 * count).reshape(4, count), dtype=wp.int32, device="cpu"),
+        "pair": wp.array(numbers, dtype=wp.float64, device="cpu"),
+        "single": wp.array(-numbers[1], dtype=wp.float64, device="cpu"),
+    }
+    views = rows_together(arrays, BLOCK)
+    for name, array in arrays.items():
+        expected = lanes_view(array, BLOCK)
+        assert views[name].dtype == expected.dtype
+        assert np.array_equal(views[name].numpy(), expected.numpy())
+    # four rows of 64 bytes, then three of 128
+    assert {view.strides[-1] for view in views.values()} == {4 * 64 + 3 * 128}
+    assert views["pair"].ptr - views["entry"].ptr == 4 * 64
+    assert views["single"].ptr - views["pair"].ptr == 2 * 128
+    assert views["entry"].ptr % LINE == 0

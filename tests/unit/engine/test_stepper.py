@@ -8,6 +8,7 @@ import warp as wp
 
 from tests.support.runs import one_sheet_run
 from weavesim.device import load_kernel
+from weavesim.engine import sheet_model
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.fabric.presets import glass_polypropylene
@@ -203,6 +204,18 @@ def test_threads_may_change_during_a_run(monkeypatch):
     changing.stepper.advance(12)
     assert changing.stepper._choice.used == [1, 2, 3, 1, 2, 3]
     assert arrived(changing) == arrived(fixed)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_constants_side_by_side_change_no_bit(monkeypatch, precision, threads):
+    whole = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
+    monkeypatch.setattr(sheet_model, "LARGE_SHEET", 0)
+    together = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
+    lines = [run.stepper.model.sheets[0].elements.corner_node.strides for run in (whole, together)]
+    assert lines[1][-1] > lines[0][-1]
+    for run in (whole, together):
+        run.stepper.advance(12)
+    assert arrived(together) == arrived(whole)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -232,7 +232,8 @@ def element_frequency_function(real: type, lane_count: int, cell: CellLaw, trait
         start = read_unknowns(cell_unknowns, block)
         in_plane = lanes()
         across = lanes()
-        for state in range(state_count):
+        count = int(state_count)  # a constant would be unrolled, with a copy of the cell's iteration for each state
+        for state in range(count):
             c = cell_tangent(sheet.cell, bounds, strain1, strain2, angle, start, state)
             t = sheet_tangent(laws, m, sine, cosine, c)
             t.c33 = t.c33 + real(4.0) * bundling

@@ -122,13 +122,22 @@ def kernels_of_tools(precision: str) -> Iterator[tuple[str, wp.Kernel]]:
         yield "sampling of a mesh", kernel
 
 
+def kernels_of_self_contact(precision: str) -> list[wp.Kernel]:
+    """What contact of a sheet with itself, its creases and its mirror image ask for, which no scene has by default."""
+    from weavesim.device import resolve_precision
+    from weavesim.engine.plies.ply_kernels import mirror_kernels, own_contact_kernels
+
+    real = resolve_precision(precision).real
+    return [*own_contact_kernels(real, 1), *mirror_kernels(real, 1)]
+
+
 def short_name(kernel: wp.Kernel) -> str:
     """The name of the function that became a kernel."""
     return kernel.key.rpartition("__")[2]
 
 
 def cuda(
-    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all, and further tools]")] = None,
+    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all, and beyond them]")] = None,
     precision: Annotated[str, typer.Option(help="float32, float64, or both, comma-separated")] = "float32,float64",
     arch: Annotated[str, typer.Option(help="compute capabilities, comma-separated")] = "80,90",
 ) -> None:
@@ -142,6 +151,7 @@ def cuda(
                 found += [(setup.name, one, kernel) for kernel in kernels_on_gpu(setup, one)]
         if not scene:
             found += [(f"tools: {name}", one, kernel) for name, kernel in kernels_of_tools(one)]
+            found += [("self-contact", one, kernel) for kernel in kernels_of_self_contact(one)]
     rows = [
         [name, short_name(kernel), one, architecture, *astuple(resources(kernel, int(architecture)))]
         for name, one, kernel in found

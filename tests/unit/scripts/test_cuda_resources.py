@@ -3,7 +3,14 @@
 import pytest
 import warp as wp
 
-from scripts.benchmarks.cuda_resources import dump_program, kernels_of_tools, kernels_on_gpu, resources, short_name
+from scripts.benchmarks.cuda_resources import (
+    dump_program,
+    kernels_of_self_contact,
+    kernels_of_tools,
+    kernels_on_gpu,
+    resources,
+    short_name,
+)
 from weavesim.app.command_line import SCENES, default_setups
 from weavesim.device import initialise
 from weavesim.kernels.stepping.tools import tool_motion_kernel
@@ -52,6 +59,18 @@ TOOL_LIMITS = {
     ("waiting", "tool_motion", "float64"): (128, 0),
 }
 SAMPLING = (64, 128)
+# Of a sheet that may touch itself, its creases and its mirror image. Places are read by the axis of the mirror's plane:
+# from the stack.
+SELF_CONTACT_LIMITS = {
+    ("seek_own_facets", "float32"): (128, 0),
+    ("seek_own_facets", "float64"): (168, 0),
+    ("meet_creases", "float64"): (124, 0),
+    ("list_pairs", "float64"): (82, 0),
+    ("meet_mirror", "float32"): (40, 48),
+    ("meet_mirror", "float64"): (54, 96),
+    ("watch_mirror", "float32"): (32, 40),
+    ("watch_mirror", "float64"): (32, 72),
+}
 # In the kernels of the default double dome in single precision, for sm_90. A change that needs more than three per cent
 # more says so here, with its reason in the commit: what a GPU executes more, a CPU executes in all lanes.
 INSTRUCTIONS = {"element_forces": 2786, "node_motion": 1898}
@@ -110,3 +129,13 @@ def test_every_kernel_of_further_tools(precision, architecture):
         needs, name = resources(kernel, architecture), short_name(kernel)
         registers, stack = TOOL_LIMITS.get((wanted_by, name, precision), SAMPLING)
         assert needs.registers <= registers and needs.stack <= stack, (wanted_by, name)
+
+
+@pytest.mark.verification
+@pytest.mark.parametrize("architecture", [80, 90])
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_every_kernel_of_self_contact(precision, architecture):
+    for kernel in kernels_of_self_contact(precision):
+        needs, name = resources(kernel, architecture), short_name(kernel)
+        registers, stack = SELF_CONTACT_LIMITS.get((name, precision), SMALL)
+        assert needs.registers <= registers and needs.stack <= stack, name

@@ -62,10 +62,12 @@ def resources(kernel: wp.Kernel, architecture: int) -> Resources:
             subprocess.run([program, option, binary], capture_output=True, text=True, check=True).stdout
             for option in ("-res-usage", "-sass")
         )
-    found = USAGE.search(usage)
+    # a module may have several kernels
+    own = f"{kernel.get_mangled_name()}_cuda_kernel_forward"
+    found = next((each for each in USAGE.finditer(usage) if each["name"] == own), None)
     if found is None:
-        raise RuntimeError(f"{kernel.key}: cuobjdump reports no kernel:\n{usage}")
-    forward = next(part for part in code.split("Function : ") if part.startswith(found["name"]))
+        raise RuntimeError(f"{kernel.key}: cuobjdump reports no kernel of this name:\n{usage}")
+    forward = next(part for part in code.split("Function : ") if part.split(maxsplit=1)[0] == own)
     return Resources(int(found["registers"]), int(found["stack"]), len(INSTRUCTION.findall(forward)))
 
 

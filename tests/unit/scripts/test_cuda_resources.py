@@ -59,7 +59,7 @@ TOOL_LIMITS = {
     ("waiting", "tool_motion", "float64"): (128, 0),
 }
 SAMPLING = (64, 128)
-# The same in either precision. They search the nearest triangle and, where nothing else tells the side, wind around all.
+# In either precision. They search the nearest triangle and, where nothing else tells the side, wind around all.
 SAMPLING_LIMITS = {
     "mesh_distance_kernel": (72, 512),
     "sampled_distance_kernel": (125, 528),

@@ -139,7 +139,7 @@ def short_name(kernel: wp.Kernel) -> str:
 
 
 def cuda(
-    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all, and beyond them]")] = None,
+    scene: Annotated[list[str] | None, typer.Option(help="may be repeated [default: all, tools, self-contact]")] = None,
     precision: Annotated[str, typer.Option(help="float32, float64, or both, comma-separated")] = "float32,float64",
     arch: Annotated[str, typer.Option(help="compute capabilities, comma-separated")] = "80,90",
 ) -> None:

@@ -30,10 +30,14 @@ def lanes_view(array: wp.array, lane_count: int) -> wp.array:
 
 
 def rows_together(arrays: Mapping[str, wp.array], lane_count: int) -> dict[str, wp.array]:
-    """Copies of arrays ([row, item] or [item], padded) as ``lanes_view`` has them, the rows of a block side by side.
+    """Copies of arrays, shaped as ``lanes_view`` of each, with the rows of a block side by side in one allocation.
 
     A block then reads one piece of memory instead of one in each row, which are on different pages: more of them than
-    a processor fetches ahead. All arrays have items of the same blocks; they share one allocation.
+    a processor fetches ahead. ``RowLayout`` does so for numbers of one type; these may be of several.
+
+    Args:
+        arrays: by name, [row, item] or [item], all with the same number of items, a multiple of ``lane_count``.
+        lane_count: items of a block.
     """
     device = next(iter(arrays.values())).device
     values = {name: array.numpy().reshape(-1, array.shape[-1]) for name, array in arrays.items()}

@@ -37,9 +37,13 @@ class LoadLaunches:
         """All kernels launched here."""
         return [*([self._pressing] if self._pressures else []), *([self._pulling] if self.grips else [])]
 
+    def act_on(self, index: int) -> bool:
+        """Whether sheet ``index`` has any."""
+        return index in self._pressures or index in self.grips
+
     def apply(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Add to the corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
-        if index not in self._pressures and index not in self.grips:
+        if not self.act_on(index):
             return
         sheet, own, clock = self._model.sheets[index], self._state.sheets[index], self._state.clock
         block_count = sheet.element_count // sheet.lane_count if count is None else count

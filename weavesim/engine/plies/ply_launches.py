@@ -11,7 +11,7 @@ from ...kernels.plies.own_search import SLOT_COUNT
 from ..creases.crease_launches import CreaseLaunches
 from ..model import Model
 from ..state import State
-from ..tiles import chunks
+from ..tiling.tiles import chunks
 from .mirror_launches import MirrorLaunches
 from .mirror_model import MirrorModel
 from .normals import NormalLaunch

@@ -214,7 +214,7 @@ class Launches:
         """A step of every sheet, divided among threads, always the same."""
         if thread_count not in self._divided:
             self._divided[thread_count] = [
-                Division.of(sheet, thread_count, at_once=not (self.plies or k in self.surface or self.loads.act_on(k)))
+                Division.of(sheet, thread_count, by_entries=k in self.surface or k in self.loads.grips)
                 for k, sheet in enumerate(self.model.sheets)
             ]
         return self._divided[thread_count]

@@ -137,8 +137,8 @@ class Stepper:
         for index, part, ring in own:
             for elements, nodes in part.tiles:
                 launches.element_forces(index, *elements, ring)
-                launches.plies.push(index, *elements)
-                launches.loads.apply(index, *elements)
+                launches.plies.push(index, *elements, ring)
+                launches.loads.apply(index, *elements, ring)
                 launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
                     launches.move_nodes(index, *nodes, ring)

@@ -24,16 +24,17 @@ class Division:
     ring: CornerRing | None
 
     @classmethod
-    def of(cls, sheet: SheetModel, thread_count: int, at_once: bool) -> Division:
+    def of(cls, sheet: SheetModel, thread_count: int, by_entries: bool) -> Division:
         """Divide a step.
 
         Args:
             sheet: constants.
             thread_count: number of parts.
-            at_once: whether nodes alone use what elements have written, before anything adds to it.
+            by_entries: whether something else than nodes looks for corner records by their entries in the state:
+                grippers, and contact between nodes.
         """
         parts = divide_step(sheet.element_nodes, sheet.lane_count, thread_count, TILE_SIZE, sheet.samples.window)
-        if sheet.lane_count == 1 or sheet.element_count < LARGE_SHEET or not at_once:
+        if sheet.lane_count == 1 or sheet.element_count < LARGE_SHEET or by_entries:
             return cls(parts, None)
         places = CornerPlaces.of(sheet.element_nodes, sheet.lane_count, parts)
         fits = places.count <= LARGEST_SHARE * len(places.of_block)

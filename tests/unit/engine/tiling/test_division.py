@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from tests.support.runs import one_sheet_run
+from tests.support.stacked_plies import THICKNESS, ply, square, stack_setup
+from weavesim import Simulation
 from weavesim.engine.tiling import division
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import ToolWatchRow
+from weavesim.process import Coulomb
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.grippers import Gripper
 from weavesim.process.pressure import Pressure
@@ -47,8 +50,7 @@ def test_a_ring_changes_no_bit(small, monkeypatch, precision, threads):
         simulation.stepper._choice.count = threads
         assert rings(simulation, threads) == [share > 0.0]
         simulation.stepper.advance(12)
-        arrays = {name: array.numpy() for name, array in simulation.state.arrays()}
-        found.append({name: values.tobytes() for name, values in arrays.items() if not name.endswith("corner_force")})
+        found.append(everything(simulation))
     assert found[0] == found[1]
     assert simulation.state.tool_watch.numpy()[ToolWatchRow.peak].max() > 0.0
 
@@ -70,11 +72,37 @@ def test_more_threads_than_pay_have_none(small):
 @pytest.mark.parametrize(
     "given",
     [
-        {"pressures": [Pressure(face="top", times=(0.0, 1.0), pressures=(0.0, 1.0e3))]},
         {"grippers": [Gripper("left", np.arange(20), (1.0, 0.0, 0.0), 1.0e3)]},
         {"dynamics": Dynamics(contact_samples="surface")},
     ],
-    ids=["pressure", "gripper", "contact between nodes"],
+    ids=["gripper", "contact between nodes"],
 )
-def test_what_adds_to_the_forces_of_elements_finds_them_in_the_state(small, given):
+def test_what_looks_for_forces_of_elements_by_their_entries_finds_them_in_the_state(small, given):
     assert rings(thrown_sheet(**given), 1) == [False]
+
+
+def everything(run) -> dict[str, bytes]:
+    """Every array of the state but the records of the last step."""
+    arrays = run.state.arrays()
+    return {name: array.numpy().tobytes() for name, array in arrays if not name.endswith("corner_force")}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_pressures_and_plies_change_no_bit_in_a_ring(small, monkeypatch, threads):
+    """A ply slides on another, both under pressure: reactions and pressures go into the ring."""
+    sheets = [
+        ply("lower", square(0.06, 0.004), pressures=(Pressure("bottom", (2e4,)),)),
+        ply("upper", square(0.05, 0.0035, THICKNESS), (2.0, 1.0, 0.0), pressures=(Pressure("top", (2e4,)),)),
+    ]
+    found = []
+    for share in (0.0, division.LARGEST_SHARE):
+        monkeypatch.setattr(division, "LARGEST_SHARE", share)
+        solver = {"precision": "float32", "lane_count": LANES, "threads": threads}
+        run = Simulation(stack_setup(sheets, Coulomb(0.2), duration=4e-3, solver=solver))
+        run.stepper._choice.count = threads
+        assert rings(run, threads) == 2 * [share > 0.0]
+        run.stepper.advance(10)
+        found.append(everything(run))
+    assert found[0] == found[1]
+    assert all(each.works_sum.numpy().any() for each in run.state.passes)
+    assert all(own.pressure_work.numpy().any() for own in run.state.sheets)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weavesim.engine.tiling.corner_places import CornerPlaces
@@ -39,6 +39,7 @@ def step_through(element_nodes: np.ndarray, parts, places: CornerPlaces) -> None
             check(nodes)
 
 
+@settings(deadline=None, max_examples=60)
 @given(
     width=st.integers(1, 40),
     height=st.integers(1, 40),

@@ -124,10 +124,10 @@ class FilmedSheet:
 
     def _attribute(self, field: Field) -> Any:
         """The attribute of a field, created on first use."""
-        from pxr import Sdf, UsdGeom
-
         name = field.file_name
         if name not in self._fields:
+            from pxr import Sdf, UsdGeom
+
             primvars = UsdGeom.PrimvarsAPI(self._mesh)
             attribute = primvars.CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.uniform).GetAttr()
             attribute.SetDocumentation(f"{field.description} [{field.file_unit}]")

@@ -56,7 +56,7 @@ class Step:
 
 
 def step_on(parts: Sequence, times: Times, wait: float | None = None) -> Step:
-    """A step as ``weavesim.engine.tiles.divide_step`` shares it out.
+    """A step as ``weavesim.engine.tiling.tiles.divide_step`` shares it out.
 
     Args:
         parts: one per thread.
@@ -90,7 +90,7 @@ def schedule(
     it keeps together counts: its work is where the sheet touches, which the plan does not know.
     """
     from weavesim.engine.surface.order import window
-    from weavesim.engine.tiles import TILE_SIZE, divide_step
+    from weavesim.engine.tiling.tiles import TILE_SIZE, divide_step
 
     rows = []
     for name in case or ("double_dome_5mm", "double_dome_2.5mm", "double_dome_1.25mm", "patch_100k"):

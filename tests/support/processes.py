@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from tests.support.forks import Fork, fork
 from tests.support.paths import ROOT
 
 # What takes longer never ends [s]: a machine may be slow, busy, and without a compiled kernel.
@@ -40,6 +41,18 @@ def start(*arguments: object, **given: object) -> subprocess.Popen:
     return subprocess.Popen(command(*arguments), **(settings | given))
 
 
+def forked(*arguments: object) -> Fork:
+    """Start the command without the time that its start takes, see ``forks.py``."""
+    return fork([str(argument) for argument in arguments], environment())
+
+
+def run_forked(*arguments: object) -> subprocess.CompletedProcess:
+    """The same to its end, with its output as text."""
+    process = forked(*arguments)
+    out, err = process.communicate(ENOUGH)
+    return subprocess.CompletedProcess(arguments, process.wait(), out, err)
+
+
 def summary(folder: Path) -> dict:
     """Of the run in a folder."""
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
@@ -63,9 +76,9 @@ def started(folder: Path, *, frame_count: int = 2) -> Callable[[], bool]:
     return lambda: summary(folder)["frame_count"] >= frame_count
 
 
-def slow_run(folder: Path, *arguments: object, writers: Sequence[str] = LIGHT, **given: object) -> subprocess.Popen:
+def slow_run(folder: Path, *arguments: object, writers: Sequence[str] = LIGHT) -> Fork:
     """Start a coarse run that takes more than a minute, and wait until it has written a few frames."""
-    process = start(*COARSE, *SLOW, *writers, "--out", folder, *arguments, **given)
+    process = forked(*COARSE, *SLOW, *writers, "--out", folder, *arguments)
     try:
         wait_for(started(folder))
     except TimeoutError:

@@ -14,6 +14,8 @@ from weavesim.scenes.laboratory.pure_bending import PureBendingParameters
 def bent(fabric, **given):
     parameters = PureBendingParameters(mesh_size=0.0005, width=0.001, threads=1, **given)
     setup = pure_bending.pure_bending(parameters, fabric)
+    # kernels that others have too
+    setup = setup.model_copy(update={"solver": setup.solver.model_copy(update={"lane_count": 1})})
     curves = pure_bending.record(parameters, fabric, setup)
     Simulation(setup).run([curves])
     return pure_bending.findings(curves), curves.columns

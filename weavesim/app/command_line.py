@@ -213,10 +213,10 @@ def _add_scene(name: str, scene: Any) -> None:
     def command(context: typer.Context) -> None:
         # plain help: boxed columns would truncate the option names
         scene_application = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
-        with uncollected():
+        with uncollected():  # up to the run
             loaded = scene.load()
-        scene_command(scene_application, name, loaded.parameters, loaded.run, scene.help)
-        scene_application(args=context.args, prog_name=f"weavesim {name}")
+            scene_command(scene_application, name, loaded.parameters, loaded.run, scene.help)
+            scene_application(args=context.args, prog_name=f"weavesim {name}")
 
 
 # By name, not imported yet. Scenes are above this package in the layer order; it only discovers which ones exist.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from ..run.checkpoint.pace import INTERVAL
 from .progress import ProgressBar, RunLog
-from .session import uncollected
+from .session import collected_alone, uncollected
 
 if TYPE_CHECKING:
     from ..engine.setup import Setup
@@ -109,7 +109,7 @@ def run_into_folder(
                 stop_on=tuple(stop_on),
             )  # fmt: skip
         checkpoints.job = job
-        with interruption() as interrupted, interrupted.held():
+        with collected_alone(), interruption() as interrupted, interrupted.held():
             try:
                 # the folder removes old results, before the log begins and after warnings are shown
                 simulation.run(

@@ -19,7 +19,6 @@ from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import support_struct, surroundings_struct
 from ..kernels.stepping.step import (
     MAXIMUM_GROUP,
-    check_clock,
     fold_works_kernel,
     group_maximum_kernel,
     partial_maximum_kernel,
@@ -36,7 +35,9 @@ from .sheet_model import SheetModel
 from .state import SheetState, State
 from .surface.contact import SurfaceContact
 from .surface.friction import set_friction
-from .tiles import chunks
+from .tiling.corner_ring import CornerRing
+from .tiling.division import Division
+from .tiling.tiles import chunks
 
 # A single thread reduces up to this number of entries; more of them are reduced in tiles first.
 LARGEST_SINGLE_REDUCTION = 8
@@ -127,6 +128,7 @@ class Launches:
         self._partial_maximum = (partial_maximum_kernel if device.is_cuda else group_maximum_kernel)(real)
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
+        self._divided: dict[int, list[Division]] = {}
         self.squared_frequency = [wp.zeros(sheet.element_count, dtype=real, device=device) for sheet in model.sheets]
         group_counts = [-(-sheet.element_count // MAXIMUM_GROUP) for sheet in model.sheets]
         of_sheets = wp.zeros(sum(group_counts), dtype=real, device=device)
@@ -208,19 +210,33 @@ class Launches:
         of_tools = self.state.reaction[first + rows.start : first + rows.stop]
         return of_tools[:, places.first_reaction : places.last_reaction]
 
+    def divided(self, thread_count: int) -> list[Division]:
+        """A step of every sheet, divided among threads, always the same."""
+        if thread_count not in self._divided:
+            self._divided[thread_count] = [
+                Division.of(sheet, thread_count, by_entries=k in self.surface or k in self.loads.grips)
+                for k, sheet in enumerate(self.model.sheets)
+            ]
+        return self._divided[thread_count]
+
     # --- the launches of a step --------------------------------------------------------------------------------------
 
-    def element_forces(self, index: int, first: int = 0, count: int | None = None) -> None:
-        """Corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
+    def element_forces(
+        self, index: int, first: int = 0, count: int | None = None, ring: CornerRing | None = None
+    ) -> None:
+        """Corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``; with ``ring`` a tile's."""
         sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self.arguments[index]
         wp.launch(
             self.sheet_kernels[index].forces,
             dim=sheet.element_count // sheet.lane_count if count is None else count,
             inputs=[first, arguments.sheet, own.motion, self.state.clock],
-            outputs=[arguments.cell_unknowns, arguments.cell_report, arguments.slip, arguments.corner_force],
+            outputs=[
+                arguments.cell_unknowns, arguments.cell_report, arguments.slip,
+                arguments.corner_force if ring is None else ring.at(first),
+            ],
             device=sheet.device,
             block_dim=block_size(self.sheet_kernels[index].forces, sheet.device),
-        )
+        )  # fmt: skip
 
     def meet_between_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
         """Meet the tools between the nodes of sheet ``index``, in ``count`` blocks of elements from ``first``.
@@ -231,13 +247,14 @@ class Launches:
             arguments = self.arguments[index]
             self.surface[index].launch(first, count, arguments.around)
 
-    def move_nodes(self, index: int, first: int = 0, count: int | None = None) -> None:
+    def move_nodes(self, index: int, first: int = 0, count: int | None = None, ring: CornerRing | None = None) -> None:
         """Gather, meet the tools, and move the nodes of sheet ``index``, in ``count`` blocks from ``first``."""
         sheet, own, arguments = self.model.sheets[index], self.state.sheets[index], self.arguments[index]
+        nodes, corner_force = (sheet.nodes, own.corner_force) if ring is None else (ring.nodes, ring.records)
         wp.launch(
             self.sheet_kernels[index].nodes,
             dim=sheet.block_count if count is None else count,
-            inputs=[first, sheet.nodes, self.node_laws[index], arguments.around, own.corner_force],
+            inputs=[first, nodes, self.node_laws[index], arguments.around, corner_force],
             outputs=[arguments.motion, arguments.touch, arguments.node_work],
             device=sheet.device,
             block_dim=block_size(self.sheet_kernels[index].nodes, sheet.device),
@@ -359,41 +376,3 @@ class Launches:
         if self.model.drives.count:
             common.append(self._support_motion)
         return list(dict.fromkeys([*own, *common, *self.loads.kernels, *self.plies.kernels]))
-
-
-class IntervalEnd:
-    """Lets a GPU do all blocks of an output interval without the host: it checks the clock itself.
-
-    Args:
-        device: of the run.
-        clock: of the state.
-        largest_block_count: maximum number of blocks in one interval.
-    """
-
-    kernel = check_clock
-
-    def __init__(self, device: wp.Device, clock: wp.array, largest_block_count: int) -> None:
-        self._device, self._clock, self._largest = device, clock, largest_block_count
-        self._target = wp.zeros(1, dtype=wp.float64, device=device)
-        self._block_count = wp.zeros(1, dtype=wp.int32, device=device)
-        self.running = wp.zeros(1, dtype=wp.int32, device=device)
-
-    def begin(self, target: float) -> None:
-        """Set the end of the interval to ``target`` [s], and the count to zero."""
-        self._target.fill_(target)
-        self._block_count.zero_()
-
-    def check(self, done: int) -> None:
-        """Launch the check after ``done`` more blocks; it sets ``running``."""
-        wp.launch(
-            check_clock,
-            dim=1,
-            inputs=[done, self._largest, self._target, self._clock],
-            outputs=[self._block_count, self.running],
-            device=self._device,
-        )
-
-    @property
-    def block_count(self) -> int:
-        """Blocks done since ``begin``; waits for the device."""
-        return int(self._block_count.numpy()[0])

@@ -20,6 +20,17 @@ def padded(count: int, spare: int) -> int:
     return -(-(count + spare) // BLOCK) * BLOCK
 
 
+def put(array: wp.array, values: np.ndarray) -> None:
+    """Set an array that stays where it is, to ``values`` of its shape or one that is broadcast to it.
+
+    On a CPU they are converted in place: ``assign`` makes an array of its own first, which takes several times as long.
+    """
+    if array.device is not None and array.device.is_cpu:
+        array.numpy()[...] = values
+    else:
+        array.assign(np.broadcast_to(values, array.numpy().shape))
+
+
 def lanes_view(array: wp.array, lane_count: int) -> wp.array:
     """View an array of numbers with padded last axis as an array of lane vectors, on the same memory."""
     lanes = wp.types.vector(lane_count, array.dtype)

@@ -10,6 +10,7 @@ import warp as wp
 
 from ..device import exclusive, giving_way
 from ..kernels.machine import barrier, flush_subnormals, restore_subnormals
+from ..kernels.stepping.step import check_clock
 
 
 class Replay:
@@ -91,3 +92,41 @@ class Replay:
             replay(graphs[0])
             for thread in others:
                 thread.join()
+
+
+class IntervalEnd:
+    """Lets a GPU do all blocks of an output interval without the host: it checks the clock itself.
+
+    Args:
+        device: of the run.
+        clock: of the state.
+        largest_block_count: maximum number of blocks in one interval.
+    """
+
+    kernel = check_clock
+
+    def __init__(self, device: wp.Device, clock: wp.array, largest_block_count: int) -> None:
+        self._device, self._clock, self._largest = device, clock, largest_block_count
+        self._target = wp.zeros(1, dtype=wp.float64, device=device)
+        self._block_count = wp.zeros(1, dtype=wp.int32, device=device)
+        self.running = wp.zeros(1, dtype=wp.int32, device=device)
+
+    def begin(self, target: float) -> None:
+        """Set the end of the interval to ``target`` [s], and the count to zero."""
+        self._target.fill_(target)
+        self._block_count.zero_()
+
+    def check(self, done: int) -> None:
+        """Launch the check after ``done`` more blocks; it sets ``running``."""
+        wp.launch(
+            check_clock,
+            dim=1,
+            inputs=[done, self._largest, self._target, self._clock],
+            outputs=[self._block_count, self.running],
+            device=self._device,
+        )
+
+    @property
+    def block_count(self) -> int:
+        """Blocks done since ``begin``; waits for the device."""
+        return int(self._block_count.numpy()[0])

@@ -26,14 +26,14 @@ from ..kernels.shell.frequency import step_bounds_struct
 from ..kernels.shell.kinematics import element_struct
 from ..kernels.shell.laws import sheet_struct
 from ..kernels.stepping.node_data import node_laws_struct, node_struct
-from ..kernels.stepping.node_forces import USUAL_CORNER_COUNT
 from ..process.device import build_support_arrays
 from ..process.grippers import Gripper
 from ..sheet.geometry import ElementGeometry
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import nodes_of_odd_angle
 from .frequencies import Frequencies, hourglass_coefficients
-from .layout import RowLayout, Span, lanes_view, padded, rows_together, slots_of_nodes
+from .layout import RowLayout, Span, lanes_view, padded, rows_together
+from .mesh.corners import corner_table
 from .mesh.elements import element_tables, inverse, rows_padded
 from .setup import STEP_SAFETY, World
 from .staging.trimming import waste_nodes
@@ -292,16 +292,9 @@ class SheetModel:
         if np.any((self.node_mass == 0.0) & ~self.waste):
             raise InputError(f"blank mesh: node {int(np.argmin(self.node_mass))} belongs to no element; remove it")
         nodes = node_struct(self.real, self.lane_count)()
-        lane_indices = self.types.indices
-        corner = np.tile(np.arange(4), self.blank.element_count)
-        element = np.repeat(np.arange(self.blank.element_count), 4)
-        node = self.blank.quads.ravel()
-        order, slot = slots_of_nodes(node)
-        # entries of a padding element are always zero: nodes with fewer neighbours read them
-        spare = self.corners.entry(0, self.blank.element_count)
-        table = np.full((max(slot.max() + 1, USUAL_CORNER_COUNT), self.node_count), spare, dtype=np.int32)
-        table[slot, node[order]] = self.corners.entry(ROWS_PER_CORNER * corner, element)[order]
-        nodes.corner_offset = self._array(table.reshape(len(table), -1, self.lane_count), lane_indices)
+        elements, spare = np.arange(self.blank.element_count), self.blank.element_count
+        table = corner_table(self.blank.quads, self.node_count, self.corners, elements, spare)
+        nodes.corner_offset = self.node_indices(table)
         nodes.corner_stride = self.corners.stride
         # elements that are not there write zeros
         sharing = inverse(np.bincount(self.blank.quads[self.kept].ravel(), minlength=count).astype(np.float64))
@@ -309,7 +302,7 @@ class SheetModel:
         bits = (free @ (1 << np.arange(6))).astype(np.int32)
         freedom = np.zeros(self.node_count, dtype=np.int32)
         freedom[:count] = bits
-        nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), lane_indices)
+        nodes.freedom = self._array(freedom.reshape(-1, self.lane_count), self.types.indices)
         loads = np.zeros((LoadRow.row_count(), self.node_count if self.loads else 0, 3))
         if self.loads:
             loads[:, :count] = self.loads.arrays(count) * ~self.waste[:, None]
@@ -327,6 +320,10 @@ class SheetModel:
         nodes.inverse_mass = lanes(inverse(self.node_mass))
         nodes.inverse_inertia = lanes(inverse(self.node_inertia))
         return nodes
+
+    def node_indices(self, table: np.ndarray) -> wp.array:
+        """Indices around every node, (slots, padded nodes), as [slot, block] of lanes."""
+        return self._array(table.reshape(len(table), -1, self.lane_count), self.types.indices)
 
     def node_laws(self):
         """Constants of the time integration and contact, as a new struct."""
@@ -368,7 +365,8 @@ class SheetModel:
     def corner_rows(self, corner_force: wp.array) -> np.ndarray:
         """What the elements wrote at their corners, (corner, row of CornerRow, element); waits for the device.
 
-        Forces are those at the positions of the last evaluation or step: ``Stepper.look_ahead`` has those of now.
+        For the arrays of ``Stepper.look_ahead`` and after ``Stepper.evaluate``: the steps of large sheets keep theirs
+        elsewhere, see ``CornerRing``.
         """
         return self.corners.read(corner_force)[:, : self.blank.element_count].reshape(4, ROWS_PER_CORNER, -1)
 

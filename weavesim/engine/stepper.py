@@ -19,14 +19,15 @@ from ..device import load_kernel
 from ..kernels.rows import ClockEntry
 from ..kernels.stepping.step import STEP_GROWTH
 from .compilation import KernelSet, compile_missing
-from .launches import IntervalEnd, Launches
+from .launches import Launches
 from .model import Model
-from .replay import Replay
+from .replay import IntervalEnd, Replay
 from .setup import STEP_SAFETY
 from .sheet_model import REFRESH_INTERVAL
 from .state import State
 from .threads import ThreadChoice
-from .tiles import TILE_SIZE, Part, chunks, divide_step
+from .tiling.division import Division
+from .tiling.tiles import chunks
 
 # A thread with more tiles records one step instead of a block: recording a launch takes about 70 us.
 LARGEST_RECORDED_TILE_COUNT = 8
@@ -120,30 +121,31 @@ class Stepper:
 
     # --- step, block, interval ---------------------------------------------------------------------------------------
 
-    def _step(self, parts: Sequence[Sequence[Part]], thread: int) -> None:
-        """One step on ``thread``; ``parts`` are those of every sheet for every thread."""
-        launches, wait = self._launches, partial(self._replay.wait, len(parts[0]))
-        own = [of_sheet[thread] for of_sheet in parts]
+    def _step(self, divided: Sequence[Division], thread: int) -> None:
+        """The share of ``thread`` in one step; ``divided`` is that of every sheet."""
+        launches, thread_count = self._launches, len(divided[0].parts)
+        wait = partial(self._replay.wait, thread_count)
+        own = [(index, sheet.parts[thread], sheet.ring) for index, sheet in enumerate(divided)]
         if self.model.drives.count and thread == 0:
             launches.move_supports()
-        launches.plies.find_normals(len(parts[0]), thread)
+        launches.plies.find_normals(thread_count, thread)
         if self.model.drives.count or launches.plies:
             wait()
         if launches.plies:
-            launches.plies.meet(len(parts[0]), thread)
+            launches.plies.meet(thread_count, thread)
             wait()
-        for index, part in enumerate(own):
+        for index, part, ring in own:
             for elements, nodes in part.tiles:
-                launches.element_forces(index, *elements)
-                launches.plies.push(index, *elements)
-                launches.loads.apply(index, *elements)
+                launches.element_forces(index, *elements, ring)
+                launches.plies.push(index, *elements, ring)
+                launches.loads.apply(index, *elements, ring)
                 launches.meet_between_nodes(index, *elements)
                 if nodes[1]:
-                    launches.move_nodes(index, *nodes)
+                    launches.move_nodes(index, *nodes, ring)
         wait()
-        for index, part in enumerate(own):
+        for index, part, ring in own:
             for nodes in part.shared:
-                launches.move_nodes(index, *nodes)
+                launches.move_nodes(index, *nodes, ring)
         wait()
         if thread == 0:
             launches.move_tools()
@@ -167,10 +169,10 @@ class Stepper:
         else:
             self._replay.wait(thread_count)
 
-    def _block(self, parts: Sequence[Sequence[Part]], thread: int) -> None:
+    def _block(self, divided: Sequence[Division], thread: int) -> None:
         for _ in range(REFRESH_INTERVAL):
-            self._step(parts, thread)
-        self._refresh(len(parts[0]), thread)
+            self._step(divided, thread)
+        self._refresh(len(divided[0].parts), thread)
 
     def _block_of_whole_launches(self) -> None:
         """A block on a GPU: whatever does not depend on each other runs side by side."""
@@ -223,12 +225,6 @@ class Stepper:
         self._interval_end.check(0)
         wp.capture_while(self._interval_end.running, body)
 
-    def _parts(self, thread_count: int) -> list[list[Part]]:
-        return [
-            divide_step(sheet.element_nodes, sheet.lane_count, thread_count, TILE_SIZE, sheet.samples.window)
-            for sheet in self.model.sheets
-        ]
-
     # --- recordings --------------------------------------------------------------------------------------------------
 
     def _forget_recordings(self) -> None:
@@ -241,16 +237,16 @@ class Stepper:
         if thread_count not in self._block_graphs and self.whole_launches:
             self._block_graphs[thread_count] = [[self._replay.record(self._block_of_whole_launches)]]
         elif thread_count not in self._block_graphs:
-            parts, record = self._parts(thread_count), self._replay.record
-            tile_count = max(sum(len(of_sheet[k].tiles) for of_sheet in parts) for k in range(thread_count))
+            divided, record = self._launches.divided(thread_count), self._replay.record
+            tile_count = max(sum(len(sheet.parts[k].tiles) for sheet in divided) for k in range(thread_count))
             if tile_count > LARGEST_RECORDED_TILE_COUNT:
                 graphs = [
-                    [record(partial(self._step, parts, thread), thread)] * REFRESH_INTERVAL
+                    [record(partial(self._step, divided, thread), thread)] * REFRESH_INTERVAL
                     + [record(partial(self._refresh, thread_count, thread), thread)]
                     for thread in range(thread_count)
                 ]
             else:
-                graphs = [[record(partial(self._block, parts, thread), thread)] for thread in range(thread_count)]
+                graphs = [[record(partial(self._block, divided, thread), thread)] for thread in range(thread_count)]
             self._block_graphs[thread_count] = graphs
         return self._block_graphs[thread_count]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..sheet.symmetry import WHOLE, Symmetry, on_plane, shear_angle_parity
-from ..sheet.topology import flat_areas, length_tolerance
+from ..sheet.topology import at_corners, flat_areas, length_tolerance
 
 if TYPE_CHECKING:
     from ..sheet.blank import Blank
@@ -142,9 +142,10 @@ def yarn_vectors(
         components: ``yarn_components(blank)``, which frames can share.
     """
     components = yarn_components(blank) if components is None else components
-    current = _sides(position[blank.quads])
-    warp, weft = (np.einsum("ea,eai->ei", component, current) for component in components)
-    return warp / np.linalg.norm(warp, axis=1, keepdims=True), weft / np.linalg.norm(weft, axis=1, keepdims=True)
+    a, b, c, d = at_corners(position, blank.quads.T).swapaxes(0, 1)
+    along, across = b + c - a - d, c + d - a - b
+    warp, weft = (_unit(component[:, 0] * along + component[:, 1] * across) for component in components)
+    return warp, weft
 
 
 def yarn_angles(blank: Blank, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,6 +175,12 @@ def yarn_components(blank: Blank) -> np.ndarray:
         np.linalg.solve(metric, np.einsum("eai,ei->ea", along, direction)[:, :, None])[:, :, 0]
         for direction in (blank.warp_direction, blank.weft_direction)
     ])  # fmt: skip
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) along vectors (3, n)."""
+    x, y, z = vectors
+    return np.stack(vectors / np.sqrt(x * x + y * y + z * z), axis=1)
 
 
 def _sides(corner: np.ndarray) -> np.ndarray:

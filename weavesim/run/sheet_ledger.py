@@ -24,7 +24,8 @@ from ..kernels.rows import (
 )
 from ..kernels.shell.energy import element_ledger_kernel
 from ..measures.defects.contact import half_thickness
-from ..sheet.samples import surfaces
+from ..sheet.samples import Surfaces
+from ..sheet.topology import at_corners
 from .fields import complete
 from .frame import SheetFrame
 from .watch.surface_fields import SurfaceFields
@@ -124,8 +125,12 @@ class SheetLedger:
         # the distances at nodes and samples are known from the energies of the contact
         samples = [place.tolist() for place in sheet.samples.places]
         self._known = [samples.index(place) if place in samples else None for place in JUDGED_PLACES.tolist()]
-        self._unknown = JUDGED_PLACES[[known is None for known in self._known]]
-        self._judged_gaps = ToolGaps(model, index, state, (len(self._unknown) + 1) * elements, acting)
+        unknown = JUDGED_PLACES[[known is None for known in self._known]]
+        self._at_samples, self._at_unknown = Surfaces(sheet.samples.places), Surfaces(unknown)
+        self._corners = np.ascontiguousarray(sheet.blank.quads.T)
+        # positions and directors there at the frame just taken, each (3, 4, element_count)
+        self._at_corners = np.zeros((3, 4, 0)), np.zeros((3, 4, 0))
+        self._judged_gaps = ToolGaps(model, index, state, (len(unknown) + 1) * elements, acting)
         # of the middles of the elements at the frame that was looked at last, which its fields want too
         self._looked_at, self._middle_distance = np.zeros((0, 3)), np.zeros((0, 0))
         start = sheet.initial_motion()[:, : sheet.blank.node_count].astype(sheet.precision.numpy).astype(np.float64)
@@ -272,7 +277,8 @@ class SheetLedger:
         sheet, node_count, element_count = self._model, len(position), self._model.blank.element_count
         sample_count = len(sheet.samples.places)
         slot = sheet.samples.slot
-        points = [position, *self._surfaces(position, director, sheet.samples.places)]
+        self._at_corners = at_corners(position, self._corners), at_corners(director, self._corners)
+        points = [position, *self._at_samples(*self._at_corners)]
         if sheet.follows_thickness:
             own, between = (a.numpy()[ThicknessRow.half] for a in (ahead.thickness, ahead.sample_thickness))
             samples = [np.tile(between[slot], sample_count)] if sample_count else []
@@ -284,7 +290,7 @@ class SheetLedger:
         friction = sheet.friction_layout.read(ahead.friction)[: 3 * sheet.tool_count, :node_count]
         of_samples = sheet.samples.layout.read(ahead.sample_friction)[: 3 * sheet.tool_count]
         of_samples = of_samples.reshape(len(friction), sample_count, sheet.element_count)
-        of_samples = of_samples[..., slot].reshape(len(friction), sample_count * element_count)
+        of_samples = of_samples.take(slot, axis=2).reshape(len(friction), sample_count * element_count)
         friction = np.concatenate([friction, of_samples], axis=1, dtype=np.float64)
         return {
             "contact": 0.5 * float((stiffness * np.square(penetration)).sum()),
@@ -309,11 +315,6 @@ class SheetLedger:
 
     # --- distances to the tools --------------------------------------------------------------------------------------
 
-    def _surfaces(self, position: np.ndarray, director: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Surface of every element at each of ``places`` (k, 2): (k, element_count, 3) [m]."""
-        quads = self._model.blank.quads
-        return surfaces(position[quads], director[quads], places) if len(places) else np.empty((0, len(quads), 3))
-
     def penetration(self, frame: SheetFrame) -> Penetration:
         """Deepest penetration of a frame just taken."""
         sheet, quads, position = self._model, self._model.blank.quads, frame.position
@@ -327,7 +328,7 @@ class SheetLedger:
             own = np.bincount(there, np.repeat(at_elements[sheet.kept], 4), node_count)
             at_nodes = own / np.maximum(np.bincount(there, minlength=node_count), 1)
         at_nodes[sheet.waste], at_elements[~sheet.kept] = -np.inf, -np.inf
-        places = self._judged_distances(position, frame.director)
+        places = self._judged_distances()
         self._looked_at, self._middle_distance = position, places[-1]
         depths = [(at_elements - distance).max(axis=0) for distance in places]
         depth = np.concatenate([(at_nodes - self._distance[:, :node_count]).max(axis=0), *depths])
@@ -342,15 +343,15 @@ class SheetLedger:
             place=(float(x), float(y)),
         )
 
-    def _judged_distances(self, position: np.ndarray, director: np.ndarray) -> list[np.ndarray]:
+    def _judged_distances(self) -> list[np.ndarray]:
         """Of every element's ``JUDGED_PLACES`` and of its middle from the tools, (tool_count, element_count) each [m].
 
         Those at samples are known from the frame just taken.
         """
-        a, b, c, d = (position[corner] for corner in self._model.blank.quads.T)
-        points = [*self._surfaces(position, director, self._unknown), (a + b + c + d) / 4.0]
+        a, b, c, d = self._at_corners[0].swapaxes(0, 1)
+        points = [*self._at_unknown(*self._at_corners), ((a + b + c + d) / 4.0).T]
         shape = self._model.tool_count, -1, self._model.blank.element_count
-        found, known = self._judged_gaps(np.concatenate(points)), self._distance[:, len(position) :]
+        found, known = self._judged_gaps(np.concatenate(points)), self._distance[:, self._model.blank.node_count :]
         others, of_samples = iter(found.reshape(shape).swapaxes(0, 1)), known.reshape(shape)
         return [next(others) if place is None else of_samples[:, place] for place in self._known] + [next(others)]
 

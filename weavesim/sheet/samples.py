@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .topology import at_corners
+
 
 def sample_places(side_count: int) -> np.ndarray:
     """Middles of ``side_count`` by ``side_count`` equal parts of an element, from -1 to 1 in both directions.
@@ -50,9 +52,14 @@ def at_places(shares: np.ndarray, values: np.ndarray, quads: np.ndarray) -> np.n
         values: of the nodes.
         quads: (element_count, 4).
     """
-    total: np.ndarray = shares[:, 0, None, None] * values[quads[:, 0]]
+    return _shared(shares[:, :, None, None], at_corners(values, quads.T)).transpose(0, 2, 1)
+
+
+def _shared(shares: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Sums over the corners, (k, 3, element_count), of shares (k, 4, 1, 1) of what ``at_corners`` returns."""
+    total: np.ndarray = shares[:, 0] * values[:, 0]
     for corner in range(1, 4):
-        total += shares[:, corner, None, None] * values[quads[:, corner]]
+        total += shares[:, corner] * values[:, corner]
     return total
 
 
@@ -88,29 +95,32 @@ def sample_motion(corners: np.ndarray, places: np.ndarray) -> tuple[float, float
     return SWAY_MARGIN * float(sway), TURNING_MARGIN * float(turning)
 
 
-def surfaces(corners: np.ndarray, directors: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """``surface_points`` of all elements at each of ``places`` (k, 2): (k, n, 3) [m], to the bit."""
-    shares = corner_shares(places)
-    # one component after the other, (4, 3, n): several times as fast
-    x, d = (np.ascontiguousarray(values.transpose(1, 2, 0)) for values in (corners, directors))
+class Surfaces:
+    """The surface of all elements at the same places: ``surface_points`` of each, to the bit.
 
-    def at(weight: np.ndarray, values: np.ndarray) -> np.ndarray:
-        total = weight[:, 0, None, None] * values[0]
-        for corner in range(1, 4):
-            total += weight[:, corner, None, None] * values[corner]
-        return total
+    Args:
+        places: from -1 to 1 in both directions, (k, 2).
+    """
 
-    def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        product = a * b
-        return product[:, 0] + product[:, 1] + product[:, 2]
+    def __init__(self, places: np.ndarray) -> None:
+        self._share, self._by_u, self._by_v = (each[:, :, None, None] for each in corner_shares(places))
+        self._rest = 0.5 * (1.0 - np.square(places))
 
-    rest = 0.5 * (1.0 - np.square(places))
-    sagitta = rest[:, :1] * dot(at(shares[1], x), at(shares[1], d))
-    sagitta += rest[:, 1:] * dot(at(shares[2], x), at(shares[2], d))
-    director = at(shares[0], d)
-    length = np.maximum(np.sqrt(dot(director, director)), SHORTEST_DIRECTOR)
-    offset = (sagitta / length)[:, None] * director
-    return (at(shares[0], x) + offset).transpose(0, 2, 1)
+    def __call__(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
+        """Points (k, n, 3) [m] of positions [m] and directors at the corners, (3, 4, n), see ``at_corners``."""
+        sagitta = self._rest[:, :1] * _dot(_shared(self._by_u, x), _shared(self._by_u, d))
+        sagitta += self._rest[:, 1:] * _dot(_shared(self._by_v, x), _shared(self._by_v, d))
+        director = _shared(self._share, d)
+        length = np.maximum(np.sqrt(_dot(director, director)), SHORTEST_DIRECTOR)
+        director *= (sagitta / length)[:, None]
+        director += _shared(self._share, x)
+        return director.transpose(0, 2, 1)
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of vectors (k, 3, n), (k, n)."""
+    product = a * b
+    return product[:, 0] + product[:, 1] + product[:, 2]
 
 
 def surface_points(corners: np.ndarray, directors: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -57,8 +57,12 @@ class Symmetry(Parameters):
 
     def mirrored(self, points: np.ndarray) -> np.ndarray:
         """``points`` (k, ..., 3) of the computed part and of all copies, (copy_count k, ..., 3), as precise."""
-        factors = np.array([[*signs, 1.0] for signs in self.mirror_factors], dtype=points.dtype)
-        return np.concatenate([points * signs for signs in factors])
+        copies = np.stack([points] * len(self.mirror_factors))
+        for copy, signs in zip(copies, self.mirror_factors, strict=True):
+            for axis, sign in enumerate(signs):
+                if sign < 0:
+                    copy[..., axis] *= sign
+        return copies.reshape(-1, *points.shape[1:])
 
     def hold(self, blank: Blank, free: np.ndarray) -> np.ndarray:
         """``free`` (node_count, 6) with symmetry constraints: nodes stay on their plane, directors rotate within it.

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tests.support.paths import ROOT
-from tests.support.processes import COARSE, ENOUGH, environment, run, slow_run, summary, wait_for
+from tests.support.processes import COARSE, ENOUGH, environment, run, run_forked, slow_run, summary, wait_for
 from weavesim.app.resume_command import resume_folder
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder
@@ -46,7 +46,7 @@ def comparable(folder) -> dict[str, object]:
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
-    assert run(*COARSE, "--speed", "0.02", "--write", "film,tables,summary", "--out", folder).returncode == 0
+    assert run_forked(*COARSE, "--speed", "0.02", "--write", "film,tables,summary", "--out", folder).returncode == 0
     return folder
 
 
@@ -59,7 +59,7 @@ def test_the_command_goes_on(tmp_path, uninterrupted, number):
     process.send_signal(number)
     out, err = process.communicate(timeout=ENOUGH)
     assert number == signal.SIGKILL or f"Go on with it: weavesim resume {tmp_path}" in out, err
-    again = run(*COARSE, "--out", tmp_path)
+    again = run_forked(*COARSE, "--out", tmp_path)
     assert again.returncode == 2 and f"weavesim resume {tmp_path}" in again.stderr
     done = run("resume", tmp_path, "--threads", "1")
     assert done.returncode in (0, 3), done.stderr
@@ -69,7 +69,7 @@ def test_the_command_goes_on(tmp_path, uninterrupted, number):
     assert log.count(" run 2") == 2 and "resumed at step" in log
     record = json.loads((tmp_path / "run.json").read_text())
     assert record["run_id"] == summary(tmp_path)["run_id"] and len(record["resumed"]) == 1
-    finished = run("resume", tmp_path)
+    finished = run_forked("resume", tmp_path)
     assert finished.returncode == 2 and "there is nothing to resume" in finished.stderr
 
 

@@ -4,7 +4,8 @@ import gc
 
 import pytest
 
-from weavesim.app.session import uncollected
+from weavesim.app import session
+from weavesim.app.session import collected_alone, uncollected
 
 
 def test_garbage_is_collected_again_afterwards_whatever_happens():
@@ -21,5 +22,25 @@ def test_whoever_collects_nothing_keeps_it_so():
         with uncollected():
             pass
         assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_a_run_collects_what_it_makes_and_only_the_first_of_a_process_keeps_what_was_before(monkeypatch):
+    monkeypatch.setattr(session, "_has_run", False)
+    for kept in (True, False):
+        with uncollected():
+            with collected_alone():
+                assert gc.isenabled()
+                assert (gc.get_freeze_count() > 1000) is kept
+            assert not gc.isenabled()
+        assert gc.get_freeze_count() == 0
+
+
+def test_a_run_of_whoever_collects_nothing_collects_nothing():
+    gc.disable()
+    try:
+        with uncollected(), collected_alone():
+            assert not gc.isenabled()
     finally:
         gc.enable()

@@ -11,6 +11,7 @@ from weavesim.device import load_kernel
 from weavesim.engine import sheet_model
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
+from weavesim.engine.tiling import division
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.machine import flush_subnormals, restore_subnormals
 from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow, ToolWatchRow
@@ -28,7 +29,7 @@ LANES = 16
 
 def free_sheet(monkeypatch, **given) -> Simulation:
     """On a CPU, but launched as on a GPU: one lane, and tiles of the whole sheet."""
-    monkeypatch.setattr(stepper_module, "TILE_SIZE", 10**9)
+    monkeypatch.setattr(division, "TILE_SIZE", 10**9)
     blank = Blank.rectangle((0.0, 0.0), (0.05, 0.05), 0.005)
     settings = {"lane_count": 1, "threads": 1, "duration": 1.0}
     return one_sheet_run(name="free", blank=blank, fabric=glass_polypropylene(), **(settings | given))
@@ -49,7 +50,7 @@ def test_a_step_is_three_launches(monkeypatch, driven, whole_launches):
     if whole_launches:
         stepper._block_of_whole_launches()
     else:
-        stepper._block(stepper._parts(1), 0)
+        stepper._block(stepper._launches.divided(1), 0)
     assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 5
     assert len(set(launched)) == (9 if driven else 8)
 

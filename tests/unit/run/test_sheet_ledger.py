@@ -10,7 +10,8 @@ from weavesim.process.strokes import ForceDriven
 from weavesim.run.sheet_ledger import JUDGED_PLACES
 from weavesim.run.watch.tool_distance import ToolDistances
 from weavesim.sheet.blank import Blank
-from weavesim.sheet.samples import surfaces
+from weavesim.sheet.samples import Surfaces
+from weavesim.sheet.topology import at_corners
 from weavesim.tools.shapes import Sphere
 from weavesim.tools.tool import Tool
 
@@ -35,7 +36,8 @@ def test_the_deepest_point_is_that_of_all_places(samples):
     frame = run.ledger.frame(1)
     (sheet,) = frame.sheets
     corners = sheet.position[blank.quads]
-    of_surface = surfaces(corners, sheet.director[blank.quads], JUDGED_PLACES)
+    at = [at_corners(values, blank.quads.T) for values in (sheet.position, sheet.director)]
+    of_surface = Surfaces(JUDGED_PLACES)(*at)
     groups = [sheet.position, of_surface.reshape(-1, 3), corners.mean(axis=1)]
     distances = ToolDistances(run.model)
     found = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scripts.benchmarks.schedule import Step, Times, step_on
-from weavesim.engine.tiles import Part, divide_step
+from weavesim.engine.tiling.tiles import Part, divide_step
 
 TIMES = Times(element=10.0, node=1.0, serial=5.0)
 

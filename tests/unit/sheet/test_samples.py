@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from weavesim.sheet.samples import (
+    Surfaces,
     at_places,
     corner_shares,
     sample_motion,
     sample_places,
     samples_per_side,
     surface_points,
-    surfaces,
 )
 
 SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -106,7 +106,7 @@ def test_surfaces_at_many_places_are_those_at_each(count):
     rng = np.random.default_rng(count)
     corners, directors = rng.normal(size=(2, count, 4, 3))
     places = np.array([(0.0, 0.0), (-1.0, 0.3), (0.5, 0.5)])
-    found = surfaces(corners, directors, places)
+    found = Surfaces(places)(*(values.transpose(2, 1, 0) for values in (corners, directors)))
     for own, place in zip(found, places, strict=True):
         expected = surface_points(corners, directors, np.broadcast_to(place, (count, 2)))[0]
         np.testing.assert_array_equal(own, expected)

@@ -50,7 +50,8 @@ def orbit(fabric, inside: bool, stiffness: float | None = None) -> tuple[Simulat
     sheets = [track, ply("mass", plate, (speed, 0.0, 0.0), fabric=cloth, grippers=() if inside else (centre,))]
     setup = stack_setup(
         sheets[::-1] if inside else sheets, Coulomb(0.0), interface={"passes": "one"}, frame_count=240,
-        dynamics={"contact_damping_ratio": 0.1}, duration=TURN_COUNT * 2.0 * np.pi * radius / speed,
+        dynamics={"contact_damping_ratio": 0.1}, solver={"lane_count": 1},
+        duration=TURN_COUNT * 2.0 * np.pi * radius / speed,
     )  # fmt: skip
     run = Simulation(setup)
     if stiffness is None:  # of the pass, which sets the load

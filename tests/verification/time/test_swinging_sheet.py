@@ -23,7 +23,7 @@ def swinging(fabric, precision: str, time_step: float | None = None) -> Simulati
     angle = np.radians(20.0)
     simulation = one_sheet_run(
         name="swing", blank=blank, fabric=fabric, duration=2.2, free=free, frame_count=100, precision=precision,
-        threads=1, time_step=time_step,
+        threads=1, lane_count=1, time_step=time_step,
         dynamics=Dynamics(gravity=(9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))),
     )  # fmt: skip
     simulation.run()

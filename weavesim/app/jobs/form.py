@@ -13,7 +13,7 @@ import typer
 
 from ...errors import InputError
 from ..ending import ExitCode, closing_lines, exit_code
-from ..session import announce_compilation, announced, interruptible
+from ..session import announce_compilation, announced, interruptible, uncollected
 from ..terminal import say
 from .arguments import FilesFrom, JobPath, Overwrite, Settings, asked_of_a_job
 
@@ -53,6 +53,7 @@ def form_command(
         raise InputError("--strict: needs the results file; let [output] write results")
     wanted = read_limits(limits) if strict else None
     with (
+        uncollected(),  # up to the run
         interruptible() as interrupted,
         side_by_side(partial(announce_compilation, file.job.name)),
         announced(),

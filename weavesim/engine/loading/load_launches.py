@@ -8,6 +8,7 @@ from ...kernels.loads.grippers import grip_kernel
 from ...kernels.loads.pressure import element_pressure_kernel
 from ..model import Model
 from ..state import State
+from ..tiling.corner_ring import CornerRing
 from .grips import device_grips
 from .pressures import device_pressures
 
@@ -37,7 +38,7 @@ class LoadLaunches:
         """All kernels launched here."""
         return [*([self._pressing] if self._pressures else []), *([self._pulling] if self.grips else [])]
 
-    def apply(self, index: int, first: int = 0, count: int | None = None) -> None:
+    def apply(self, index: int, first: int = 0, count: int | None = None, ring: CornerRing | None = None) -> None:
         """Add to the corner forces of sheet ``index``, in ``count`` blocks of elements from ``first``."""
         if index not in self._pressures and index not in self.grips:
             return
@@ -48,7 +49,7 @@ class LoadLaunches:
                 self._pressing,
                 dim=block_count,
                 inputs=[first, sheet.elements, self._pressures[index], own.motion, clock],
-                outputs=[sheet.corners.view(own.corner_force), own.pressure_work],
+                outputs=[sheet.corners.view(own.corner_force) if ring is None else ring.at(first), own.pressure_work],
                 device=sheet.device,
             )
         if index in self.grips:

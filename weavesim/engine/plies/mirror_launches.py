@@ -29,7 +29,7 @@ class MirrorLaunches(PassLaunches):
         kernel = meet_mirror_kernel(self._real, self._lanes)
         self._launch(kernel, count, [first, self._mirror, self._clock], [self._record])
 
-    def push(self, first: int, count: int) -> None:
+    def push(self, first: int, count: int, corners: wp.array | None = None) -> None:
         """Nothing: the plane does not move."""
 
     def follow(self, found: Any, first: int, count: int) -> None:

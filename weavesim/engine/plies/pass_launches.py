@@ -129,10 +129,15 @@ class PassLaunches:
             [first, first + count, self._slaves, self._facets, self._law, self._clock, self._motion], [self._record],
         )  # fmt: skip
 
-    def push(self, first: int, count: int) -> None:
-        """Their reactions on ``count`` blocks of facets from ``first``, after the forces of these elements."""
-        inputs = [first, first + count, self._reaction]
-        self._launch(push_facets_kernel(self._real, self._lanes), self._calls(count), inputs, [self._corners])
+    def push(self, first: int, count: int, corners: wp.array | None = None) -> None:
+        """Their reactions on ``count`` blocks of facets from ``first``, after the forces of these elements.
+
+        Args:
+            first, count: range of blocks.
+            corners: records that these forces are in, [row, block] of lanes; None for those of the state.
+        """
+        inputs, outputs = [first, first + count, self._reaction], [self._corners if corners is None else corners]
+        self._launch(push_facets_kernel(self._real, self._lanes), self._calls(count), inputs, outputs)
 
     # --- an update of the stable step, in this order, with a barrier between ------------------------------------------
 

@@ -11,7 +11,8 @@ from ...kernels.plies.own_search import SLOT_COUNT
 from ..creases.crease_launches import CreaseLaunches
 from ..model import Model
 from ..state import State
-from ..tiles import chunks
+from ..tiling.corner_ring import CornerRing
+from ..tiling.tiles import chunks
 from .mirror_launches import MirrorLaunches
 from .mirror_model import MirrorModel
 from .normals import NormalLaunch
@@ -98,11 +99,11 @@ class PlyLaunches:
         for creases in self._creases:
             creases.gather(*chunks(creases.model.sheet.block_count, thread_count)[thread])
 
-    def push(self, sheet: int, first: int, count: int) -> None:
+    def push(self, sheet: int, first: int, count: int, ring: CornerRing | None = None) -> None:
         """Reactions on ``count`` blocks of elements of a sheet from ``first``, after their own forces."""
         for each in self._passes:
             if each.model.place.master == sheet:
-                each.push(first, count)
+                each.push(first, count, None if ring is None else ring.at(first))
 
     def watch_speeds(self, thread_count: int = 1, thread: int = 0) -> None:
         """Largest speeds of this thread's share of the nodes."""

@@ -27,5 +27,7 @@ def regions(quads: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
 
 def with_neighbours(quads: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """Elements that are chosen, or share a node with one that is, (element_count,) bool."""
-    nodal = np.bincount(quads.ravel(), np.repeat(chosen, 4)) > 0.0
-    return nodal[quads].any(axis=1)
+    nodal = np.zeros(int(quads.max(initial=-1)) + 1, dtype=bool)
+    nodal[quads[chosen]] = True
+    found: np.ndarray = nodal[quads.T].any(axis=0)
+    return found

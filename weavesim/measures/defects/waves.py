@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...sheet.topology import doubled_normals
+from ...sheet.topology import at_corners, node_normals
 
 if TYPE_CHECKING:
     from ...sheet.blank import Blank
@@ -78,7 +78,7 @@ class WaveFilter:
     def of_surface(self, position: np.ndarray) -> np.ndarray:
         """Deviation of the nodes from their smoothed surface, along its normal, (node_count,) [m]."""
         smooth = self._smoothing(self._mass[:, None] * position)
-        return np.einsum("ni,ni->n", position - smooth, _normals(smooth, self._quads))
+        return np.einsum("ni,ni->n", position - smooth, node_normals(smooth, self._quads))
 
     def of_height(self, height: np.ndarray) -> np.ndarray:
         """Deviation of a height from the smoothed one, (node_count,) [m]."""
@@ -112,15 +112,16 @@ class WaveFilter:
 
     def _changes(self, deviation: np.ndarray) -> np.ndarray:
         """Along both diagonals of the elements, (2, element_count)."""
-        corner = deviation[self._quads].T
-        return np.stack([corner[0] - corner[2], corner[1] - corner[3]])
+        corner = deviation.take(self._quads.T)
+        return corner[:2] - corner[2:]
 
     def _means(self, deviation: np.ndarray, *squares: np.ndarray) -> np.ndarray:
         """Local means of the square of a deviation, and of squares of slopes (element_count,), of each element."""
         corners = self._quads.ravel()
         nodal = [np.bincount(corners, np.repeat(each, 4), len(deviation)) / self._around for each in squares]
         means = self._local(self._mass[:, None] * np.stack([deviation**2, *nodal], axis=1))
-        return np.maximum(means, 0.0)[self._quads].mean(axis=1).T
+        a, b, c, d = at_corners(np.maximum(means, 0.0), self._quads.T).swapaxes(0, 1)
+        return (a + b + c + d) / 4.0
 
     def _amplitude(self, power: np.ndarray, number: np.ndarray) -> np.ndarray:
         fourth = np.square(np.square(number * self._reach))
@@ -181,10 +182,3 @@ def _border(quads: np.ndarray) -> np.ndarray:
     sides = np.sort(np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1)
     unique, count = np.unique(sides, axis=0, return_counts=True)
     return np.unique(unique[count == 1])
-
-
-def _normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Unit normals of the nodes of a surface, (node_count, 3)."""
-    normal, corners = doubled_normals(position, quads), quads.ravel()
-    total = np.stack([np.bincount(corners, np.repeat(each, 4), len(position)) for each in normal.T])
-    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T

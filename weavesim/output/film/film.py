@@ -26,8 +26,8 @@ from .view import View, define_camera, define_lights
 FRAMES_PER_SECOND = 24
 # Of the run, at every time code: attributes of /World.
 TIME, STROKE = "weavesim:time", "weavesim:stroke"
-# Between the first two saves [s]: each copies the film, of which a run of seconds needs fewer than of its small files.
-_FIRST_SAVE = 2.0
+# Between the first two saves [s]: each copies the film, which a run of seconds replaces soon after.
+_FIRST_SAVE = 5.0
 # Frames between two writes to disk: writing frees memory, and written frames survive a killed process.
 _FRAMES_PER_FLUSH = 40
 # Tools on the side of the viewer would hide the sheet, so they are drawn transparent.

@@ -216,20 +216,6 @@ def define_views(stage: Any, sheets: Sequence[str], above: Sequence[str], below:
                 move.Set(Gf.Vec3d(0.0, 0.0, factor * float(up)))
 
 
-def node_normals(position: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Unit normals of the nodes of quadrilaterals, (node_count, 3)."""
-    a, b, c, d = (position[corner].T for corner in quads.T)
-    (x1, y1, z1), (x2, y2, z2) = c - a, d - b
-    corners = quads.T.ravel()
-    total = np.stack(
-        [
-            np.bincount(corners, np.tile(component, 4), len(position))
-            for component in (y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2)
-        ]
-    )
-    return (total / np.maximum(np.sqrt((total * total).sum(axis=0)), 1.0e-300)).T.astype(np.float32, order="C")
-
-
 def _corner_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Normals of the corners of each triangle, (3 face_count, 3): smooth except at sharp edges."""
     corner = vertices[faces]

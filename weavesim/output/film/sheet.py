@@ -11,8 +11,9 @@ from ...measures.border import outline
 from ...run.fields import FIELDS, Field
 from ...run.frame import SheetFrame, SheetInfo
 from ...run.staging.part import Part
+from ...sheet.topology import node_normals
 from ..colours import LARGEST_SHOWN_ANGLE, distinct_colour, shear_colours
-from .prims import bind, define_mesh, in_variant, node_normals, plain_material, set_faces, sheet_material
+from .prims import bind, define_mesh, in_variant, plain_material, set_faces, sheet_material
 
 # Where sheets are in a film, and how the names of mirrored copies go on.
 SHEETS = "/World/sheets"
@@ -98,7 +99,8 @@ class FilmedSheet:
         colours[self._part.nodes] = shear_colours(np.rad2deg(angle))
         self._mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), time)
         self._mesh.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent), time)
-        self._normals.Set(Vt.Vec3fArray.FromNumpy(node_normals(frame.position, self._quads)), time)
+        normals = node_normals(frame.position, self._quads).astype(np.float32, order="C")
+        self._normals.Set(Vt.Vec3fArray.FromNumpy(normals), time)
         self._colour.Set(Vt.Vec3fArray.FromNumpy(colours.astype(np.float32)), time)
         for field in FIELDS:
             if field.name in shown.fields and not field.diagnostic:
@@ -122,10 +124,10 @@ class FilmedSheet:
 
     def _attribute(self, field: Field) -> Any:
         """The attribute of a field, created on first use."""
-        from pxr import Sdf, UsdGeom
-
         name = field.file_name
         if name not in self._fields:
+            from pxr import Sdf, UsdGeom
+
             primvars = UsdGeom.PrimvarsAPI(self._mesh)
             attribute = primvars.CreatePrimvar(name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.uniform).GetAttr()
             attribute.SetDocumentation(f"{field.description} [{field.file_unit}]")

@@ -97,8 +97,10 @@ class Grid:
         )
         if key != self._said[0]:  # else as in the frame before
             self._said = key, self._head(sections, blocks, len(points), run_id)
+        # one write, not one of each block
+        content = b"".join([self._said[1], *blocks, b"\n</AppendedData>\n</VTKFile>\n"])
         with replacing(path) as temporary, open(temporary, "wb") as file:
-            file.writelines([self._said[1], *blocks, b"\n</AppendedData>\n</VTKFile>\n"])
+            file.write(content)
 
     def _head(self, sections: Sections, blocks: Sequence[bytes], point_count: int, run_id: str) -> bytes:
         """The XML before all blocks."""
@@ -184,15 +186,15 @@ def _block_of(values: np.ndarray | Packed) -> bytes:
 def _block(values: np.ndarray, level: int) -> bytes:
     """One block of zlib with VTK's header: how many blocks, their size, that of a last partial one, and compressed."""
     data = np.ascontiguousarray(values).reshape(-1).view(np.uint8).data
-    compressed = zlib.compress(data, level) if level else _stored(data)
-    return _HEADER.pack(1, values.nbytes, 0, len(compressed)) + compressed
+    compressed = [zlib.compress(data, level)] if level else _stored(data)
+    return b"".join([_HEADER.pack(1, values.nbytes, 0, sum(map(len, compressed))), *compressed])
 
 
-def _stored(data: memoryview) -> bytes:
+def _stored(data: memoryview) -> list[bytes | memoryview]:
     """What zlib makes of data that it does not compress, without the memory that it gets ready to do so (RFC 1950)."""
     starts = range(0, max(len(data), 1), _LARGEST_STORED)
     parts: list[bytes | memoryview] = [_STORED_HEAD]
     for start in starts:
         part = data[start : start + _LARGEST_STORED]
         parts += [_STORED.pack(start == starts[-1], len(part), len(part) ^ 0xFFFF), part]
-    return b"".join([*parts, _CHECK.pack(zlib.adler32(data))])
+    return [*parts, _CHECK.pack(zlib.adler32(data))]

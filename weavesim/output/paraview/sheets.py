@@ -84,10 +84,9 @@ class SheetFiles:
         """Write the whole part in single precision; returns the name of the file."""
         frame = self._there(frame)
         points = {"displacement_m": self._mirrored(frame.position - self._blank.node_position)}
-        cells = {
-            name: np.tile(values.astype(np.float32), self._copies)
-            for name, values in self._fields(frame, diagnostics=self._diagnostics).items()
-        }
+        fields = self._fields(frame, diagnostics=self._diagnostics)
+        rows = np.array(list(fields.values()), dtype=np.float32)
+        cells = dict(zip(fields, np.tile(rows, self._copies), strict=True))
         for name, vectors in self._directions(frame).items():
             cells[name] = self._mirrored(vectors)
         file = f"{stem}_{self._file_name}.vtu"

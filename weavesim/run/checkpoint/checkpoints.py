@@ -152,9 +152,12 @@ class Checkpoints:
 
     def _identity(self, simulation: Simulation) -> dict[str, object]:
         """What a checkpoint must share with a run to continue it, in any stage."""
+        identity = simulation.model.identity
+        if simulation.setup is simulation.model.setup:  # else that of a stage
+            return identity
         # once: a set-up with meshes takes a second
         self._setup_hash = self._setup_hash or hash_of_run(simulation.setup)
-        return {**simulation.model.identity, "setup": self._setup_hash}
+        return {**identity, "setup": self._setup_hash}
 
     def _try(self, action: Any, then: str) -> bool:
         try:

@@ -24,7 +24,8 @@ def frame_content(frame: Frame) -> Content:
     space.
     """
     arrays: dict[str, np.ndarray] = {}
-    return Content({"frame": _taken_apart(frame, "frame", arrays)}, arrays)
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):  # of ``_shortened``
+        return Content({"frame": _taken_apart(frame, "frame", arrays)}, arrays)
 
 
 def frame_of(content: Content) -> Frame:
@@ -68,11 +69,10 @@ def memory_order(array: np.ndarray) -> Literal["C", "F"]:
 def _shortened(values: np.ndarray) -> np.ndarray:
     if values.dtype != np.float64:
         return values
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        short = values.astype(np.float32)
-        again = short.astype(np.float64)
+    short = values.astype(np.float32)
     # bits, which tell zeros and what is not a number apart
-    return short if np.array_equal(again.view(np.int64), values.view(np.int64)) else values
+    same = short.astype(np.float64).view(np.int64) == values.view(np.int64)
+    return short if same.all() else values
 
 
 class FrameJournal:

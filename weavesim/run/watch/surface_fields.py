@@ -47,10 +47,10 @@ class SurfaceFields:
         return self._gaps.launches
 
     @cached_property
-    def _part(self) -> tuple[Blank, np.ndarray]:
+    def _part(self) -> tuple[Blank, np.ndarray | slice]:
         """What no stage has trimmed away, and its nodes."""
         blank, kept = self._sheet.blank, self._sheet.kept
-        return (blank, np.arange(blank.node_count)) if kept.all() else blank.part(kept)
+        return (blank, slice(None)) if kept.all() else blank.part(kept)
 
     @cached_property
     def _filter(self) -> WaveFilter:
@@ -99,8 +99,9 @@ class SurfaceFields:
     def _nearest(self, distance: np.ndarray) -> np.ndarray:
         """Distance from the nearest tool, (n,), not a number where it is unknown, of (tool_count, n) [m]."""
         nearest = distance.min(axis=0)
-        bound = distance.argmin(axis=0)
-        known = np.isfinite(nearest) & (nearest < _KNOWN_SHARE * self._reach[bound])
+        known = np.isfinite(nearest)
+        if np.isfinite(self._reach).any():
+            known &= nearest < _KNOWN_SHARE * self._reach[distance.argmin(axis=0)]
         return np.where(known, nearest, np.nan)
 
     def _deviation(self, position: np.ndarray, node_distance: np.ndarray) -> np.ndarray:

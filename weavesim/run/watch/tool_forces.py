@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import warp as wp
 
-from ...engine.layout import lanes_view
+from ...engine.layout import lanes_view, put
 from ...engine.model import Model
 from ...engine.sheet_model import SheetModel
 from ...engine.state import State
@@ -77,10 +77,10 @@ class ToolForces:
         if not self.launches:
             empty = np.zeros((0, len(half_thickness)))
             return PointForces(empty, empty[..., None], empty[..., None])
-        self._half_thickness.assign(half_thickness)
+        put(self._half_thickness, half_thickness)
         of_points = np.concatenate([velocity, *at_places(self._shares, velocity, sheet.blank.quads)])
-        self._velocity.assign(of_points - self._surface_velocity())
-        self._friction.assign(self._springs())
+        put(self._velocity, of_points if not sheet.node_traits.carried else of_points - self._surface_velocity())
+        put(self._friction, self._springs())
         for launch in self.launches:
             launch.launch()
         push, drag = (array.numpy().astype(np.float64) for array in (self._push, self._drag))
@@ -94,9 +94,7 @@ class ToolForces:
 
     def _surface_velocity(self) -> np.ndarray:
         """Of carried tools at the points, (tool_count, point_count, 3) [m/s]; of others the kernel knows it."""
-        sheet, places = self._sheet, self._sheet.places.tools
-        if not sheet.node_traits.carried:
-            return np.zeros((sheet.tool_count, 1, 3))
+        places = self._sheet.places.tools
         poses, along = self._poses(), self._state.tool_velocity.numpy()[places.start : places.stop]
         axes = np.array([tool.axis for tool in self._tools])
         arms = self._gaps.points - poses[:, None, ToolPoseRow.pivot.span]
@@ -120,7 +118,7 @@ class ToolForces:
         parts = [sheet.friction_layout.read(self._own.friction)[:rows, : self._node_count]]
         if places := len(sheet.samples.places):
             between = sheet.samples.layout.read(self._own.sample_friction)[:rows]
-            between = between.reshape(rows, places, sheet.element_count)[..., sheet.samples.slot]
+            between = between.reshape(rows, places, sheet.element_count).take(sheet.samples.slot, axis=2)
             parts.append(between.reshape(rows, -1))
         return np.concatenate(parts, axis=1)
 
@@ -179,10 +177,11 @@ class ToolFields:
     """
 
     def __init__(self, sheet: SheetModel) -> None:
-        self._quads, self._area, self._node_count = sheet.blank.quads, sheet.geometry.area, sheet.blank.node_count
+        self._area, self._node_count = sheet.geometry.area, sheet.blank.node_count
+        self._corners = np.ascontiguousarray(sheet.blank.quads.T)
         there = self._area * sheet.kept
-        around = np.bincount(self._quads.ravel(), np.repeat(0.25 * there, 4), self._node_count)
-        self._share = 0.25 * there[:, None] / np.where(sheet.waste, 1.0, around)[self._quads]
+        around = np.bincount(self._corners.T.ravel(), np.repeat(0.25 * there, 4), self._node_count)
+        self._share = 0.25 * there / np.where(sheet.waste, 1.0, around)[self._corners]
         self._of_samples = corner_shares(sheet.samples.places)[0]
 
     def __call__(self, forces: PointForces, director: np.ndarray, area_ratio: np.ndarray) -> dict[str, np.ndarray]:
@@ -196,14 +195,28 @@ class ToolFields:
         names = [f"tool_{name}_{face}" for name in ("pressure", "friction") for face in ("below", "above")]
         if not len(forces.push):
             return {}
-        if not forces.push.any():
+        (touched,) = np.nonzero(forces.push.any(axis=0))
+        if not len(touched):
             return {name: 0.0 * area_ratio for name in names}  # of waste not a number
-        directors = np.concatenate([director, *at_places(self._of_samples, director, self._quads)])
+        # most points touch nothing
+        push, normal, drag = (each[:, touched] for each in forces)
         # a tool below pushes up, along the director
-        below = np.einsum("tpi,pi->tp", forces.normal, directors) > 0.0
-        rubbed = np.sqrt(np.einsum("tpi,tpi->tp", forces.drag, forces.drag))
-        total = np.stack([(values * here).sum(axis=0) for values in (forces.push, rubbed) for here in (below, ~below)])
+        below = np.einsum("tpi,pi->tp", normal, self._directors(touched, director)) > 0.0
+        rubbed = np.sqrt(np.einsum("tpi,tpi->tp", drag, drag))
+        total = np.zeros((len(names), forces.push.shape[1]))
+        total[:, touched] = [(values * here).sum(axis=0) for values in (push, rubbed) for here in (below, ~below)]
         nodes, samples = np.split(total, [self._node_count], axis=1)
-        force = np.einsum("fec,ec->fe", nodes[:, self._quads], self._share)
-        force += samples.reshape(len(names), -1, len(self._quads)).sum(axis=1)
+        at_corners = nodes.take(self._corners, axis=1)
+        at_corners *= self._share
+        force = at_corners[:, 0] + at_corners[:, 1] + at_corners[:, 2] + at_corners[:, 3]
+        force += samples.reshape(len(names), -1, len(self._area)).sum(axis=1)
         return dict(zip(names, force / (area_ratio * self._area), strict=True))
+
+    def _directors(self, points: np.ndarray, director: np.ndarray) -> np.ndarray:
+        """At some points, (len(points), 3), of directors at the nodes (node_count, 3); nodes first, ascending."""
+        nodes, samples = np.split(points, [np.searchsorted(points, self._node_count)])
+        place, element = np.divmod(samples - self._node_count, len(self._area))
+        total = np.zeros((len(samples), 3))
+        for share, corner in zip(self._of_samples.T, self._corners, strict=True):
+            total += share[place, None] * director[corner[element]]
+        return np.concatenate([director[nodes], total])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import warp as wp
 
+from ...engine.layout import put
 from ...engine.model import Model
 from ...engine.state import State
 from ...kernels.contact.tool_distance import sample_distance_kernel
@@ -52,7 +53,7 @@ class ToolGaps:
         if self._sheet.node_traits.carried:
             self._take_carried(points)
         else:
-            self._points.assign(points)
+            put(self._points, points)
             displacement = self._state.tool_displacement.numpy()[places.start : places.stop]
             for launch, value in zip(self.launches, displacement, strict=True):
                 launch.set_param_by_name("displacement", wp.float64(value))
@@ -66,7 +67,7 @@ class ToolGaps:
         places = self._sheet.places.tools
         poses = [pose_of(entries) for entries in self._state.tool_pose.numpy()[places.start : places.stop]]
         for launch, pose in zip(self.launches, poses, strict=True):
-            self._points.assign(pose.back(points))
+            put(self._points, pose.back(points))
             launch.launch()
         if len(self.normal) == len(poses):
             self.normal.assign(np.stack([pose.turned(own) for pose, own in zip(poses, self.normals(), strict=True)]))

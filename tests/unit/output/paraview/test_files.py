@@ -36,4 +36,4 @@ def test_blocks_nest():
 @pytest.mark.parametrize("length", [0, 1, 0xFFFF, 0x10000, 3 * 0xFFFF, 200_000])
 def test_zlib_reads_what_is_stored(length):
     data = np.random.default_rng(length).integers(0, 256, length, dtype=np.uint8)
-    assert zlib.decompress(files._stored(data.data)) == data.tobytes()
+    assert zlib.decompress(b"".join(files._stored(data.data))) == data.tobytes()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from weavesim.engine.tiles import divide_step
+from weavesim.engine.tiling.tiles import divide_step
 from weavesim.sheet.blank import Blank
 
 LANES = 16

@@ -1,0 +1,70 @@
+"""Where tiles of elements put their corner records, so that places of few tiles are enough for a whole sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .tiles import Part
+
+# What waits for another thread is never overwritten.
+NEVER = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True)
+class CornerPlaces:
+    """Places of the corner records of a step, in blocks of elements.
+
+    Attributes:
+        of_block: place of every block of elements, (block_count,) int.
+        count: of all places.
+    """
+
+    of_block: np.ndarray
+    count: int
+
+    @classmethod
+    def of(cls, element_nodes: np.ndarray, lane_count: int, parts: Sequence[Part]) -> CornerPlaces:
+        """Every tile takes the places of one before it whose nodes have all moved, or new ones.
+
+        Threads share no place. What nodes of ``Part.shared`` read keeps its place until the end of the step.
+
+        Args:
+            element_nodes: (4, padded element count) corner nodes.
+            lane_count: elements or nodes per block.
+            parts: of the step, from ``divide_step``.
+        """
+        last_reader = _last_readers(element_nodes, lane_count, parts)
+        of_block = np.empty(element_nodes.shape[1] // lane_count, dtype=np.int64)
+        count = tile_index = 0
+        for part in parts:
+            size = max((blocks for (_, blocks), _ in part.tiles), default=0)
+            free: list[int] = []
+            taken: dict[int, int] = {}  # first place: last tile that reads there
+            for (first, blocks), _ in part.tiles:
+                for place in [place for place, last in taken.items() if last < tile_index]:
+                    del taken[place]
+                    free.append(place)
+                if not free:
+                    free.append(count)
+                    count += size
+                place = free.pop()
+                taken[place] = last_reader[tile_index]
+                of_block[first : first + blocks] = place + np.arange(blocks)
+                tile_index += 1
+        return cls(of_block, count)
+
+
+def _last_readers(element_nodes: np.ndarray, lane_count: int, parts: Sequence[Part]) -> np.ndarray:
+    """For every tile, over all parts in sequence, the last one whose nodes read what it writes, or NEVER."""
+    tiles = [tile for part in parts for tile in part.tiles]
+    tile_of_block = np.repeat(np.arange(len(tiles)), [blocks for (_, blocks), _ in tiles])
+    moved_by = np.full(element_nodes.max() // lane_count + 1, NEVER)
+    for index, (_, (first, blocks)) in enumerate(tiles):
+        moved_by[first : first + blocks] = index
+    tile_of_element, result = np.repeat(tile_of_block, lane_count), np.zeros(len(tiles), dtype=np.int64)
+    for nodes in element_nodes:
+        np.maximum.at(result, tile_of_element, moved_by[nodes // lane_count])
+    return result

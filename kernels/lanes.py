@@ -79,13 +79,79 @@ def step_options(real: type, inlined: bool = False) -> dict[str, Any]:
     return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
+# --- operators --------------------------------------------------------------------------------------------------------
+
+
+def _by_rows(types: LaneTypes, row_count: int, expression: str, read: str = "ab") -> str:
+    """C++ of an expression of a and b, for each row of the result; arguments in ``read`` have rows too.
+
+    A row is one vector of C++. Warp's own loops over lanes are taken apart into thousands of single numbers, and the
+    compiler looks for each of them through all code behind a branch: that took most of the time to compile.
+    """
+    count, scalar = types.lane_count, f"wp::{types.real.__name__}"
+    kind = f"wp::vec_t<{count}, {scalar}>" if row_count == 1 else f"wp::mat_t<{row_count}, {count}, {scalar}>"
+    rows = "".join(
+        f"Row row_{name}; memcpy(&row_{name}, reinterpret_cast<const char *>(&{name}) + at, sizeof(Row));\n            "
+        for name in read
+    )
+    return f"""
+#if defined(__CUDACC__)
+        using Row = {scalar};
+#else
+        using Row = {scalar} __attribute__((ext_vector_type({count})));
+#endif
+        {kind} result;
+        for (unsigned at = 0; at < sizeof(result); at += sizeof(Row)) {{
+            {rows}Row row = {expression.translate({ord(name): f"row_{name}" for name in read})};
+            memcpy(reinterpret_cast<char *>(&result) + at, &row, sizeof(Row));
+        }}
+        return result;
+    """
+
+
+# A module finds them by their names: see operators.py. What is missing here is Warp's own.
+for _types in ALL_LANE_TYPES:
+    for _kind, _row_count in ((_types.lanes, 1), (_types.lanes3, 3), (_types.lanes4, 4)):
+        if _types.lane_count == 1:
+
+            @wp.func
+            def mul(a: _kind, b: _kind):
+                return wp.cw_mul(a, b)
+
+            @wp.func
+            def div(a: _kind, b: _kind):
+                return wp.cw_div(a, b)
+        else:
+
+            @wp.func_native(_by_rows(_types, _row_count, "a + b"))
+            def add(a: _kind, b: _kind) -> _kind: ...
+
+            @wp.func_native(_by_rows(_types, _row_count, "a - b"))
+            def sub(a: _kind, b: _kind) -> _kind: ...
+
+            @wp.func_native(_by_rows(_types, _row_count, "a * b"))
+            def mul(a: _kind, b: _kind) -> _kind: ...
+
+            @wp.func_native(_by_rows(_types, _row_count, "a * b", read="b"))
+            def mul(a: _types.real, b: _kind) -> _kind: ...
+
+            @wp.func_native(_by_rows(_types, _row_count, "a / b"))
+            def div(a: _kind, b: _kind) -> _kind: ...
+
+            @wp.func_native(_by_rows(_types, _row_count, "a / b", read="a"))
+            def div(a: _kind, b: _types.real) -> _kind: ...
+
+    @wp.func_native(_by_rows(_types, 1, "value", read=""))
+    def in_every_lane(like: _types.lanes, value: _types.real) -> _types.lanes: ...
+
+
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
 
 
 @wp.func
 def fill(like: Any, value: Any):
     """``value`` in every lane: a number, or a scalar of the lanes' own precision."""
-    return type(like)(like.dtype(value))
+    return in_every_lane(like, like.dtype(value))
 
 
 @wp.func
@@ -140,8 +206,8 @@ def where_positive(condition: Any, if_positive: Any, otherwise: Any):
 @wp.func
 def inverses(a: Any, b: Any):
     """1/a and 1/b with one division; a b must be finite and not zero."""
-    inverse = wp.cw_div(fill(a, 1.0), wp.cw_mul(a, b))
-    return wp.cw_mul(b, inverse), wp.cw_mul(a, inverse)
+    inverse = div(fill(a, 1.0), mul(a, b))
+    return mul(b, inverse), mul(a, inverse)
 
 
 @wp.func
@@ -175,20 +241,20 @@ def lane_maximum(a: Any):
 @wp.func
 def scale(s: Any, v: Any):
     """Each lane's scalar times its 3-vector."""
-    return wp.matrix_from_rows(wp.cw_mul(s, v[0]), wp.cw_mul(s, v[1]), wp.cw_mul(s, v[2]))
+    return wp.matrix_from_rows(mul(s, v[0]), mul(s, v[1]), mul(s, v[2]))
 
 
 @wp.func
 def dot(a: Any, b: Any):
-    return wp.cw_mul(a[0], b[0]) + wp.cw_mul(a[1], b[1]) + wp.cw_mul(a[2], b[2])
+    return mul(a[0], b[0]) + mul(a[1], b[1]) + mul(a[2], b[2])
 
 
 @wp.func
 def cross(a: Any, b: Any):
     return wp.matrix_from_rows(
-        wp.cw_mul(a[1], b[2]) - wp.cw_mul(a[2], b[1]),
-        wp.cw_mul(a[2], b[0]) - wp.cw_mul(a[0], b[2]),
-        wp.cw_mul(a[0], b[1]) - wp.cw_mul(a[1], b[0]),
+        mul(a[1], b[2]) - mul(a[2], b[1]),
+        mul(a[2], b[0]) - mul(a[0], b[2]),
+        mul(a[0], b[1]) - mul(a[1], b[0]),
     )
 
 
@@ -294,13 +360,13 @@ def polynomial(x: Any, coefficients: Any):
 
     Even and odd powers are separate: two chains of half the length, whose multiply-adds are independent.
     """
-    square = wp.cw_mul(x, x)
+    square = mul(x, x)
     even = type(x)()
     odd = type(x)()
     for k in range(len(coefficients) // 2):
-        even = wp.cw_mul(even, square) + fill(x, coefficients[len(coefficients) - 2 - 2 * k])
-        odd = wp.cw_mul(odd, square) + fill(x, coefficients[len(coefficients) - 1 - 2 * k])
-    return even + wp.cw_mul(x, odd)
+        even = mul(even, square) + fill(x, coefficients[len(coefficients) - 2 - 2 * k])
+        odd = mul(odd, square) + fill(x, coefficients[len(coefficients) - 1 - 2 * k])
+    return even + mul(x, odd)
 
 
 for _types in ALL_LANE_TYPES:
@@ -327,7 +393,7 @@ def angle_of(sine: Any, cosine: Any, radius: Any):
     """
     size = magnitude(sine)
     beside = radius + cosine
-    tangent = wp.cw_div(smaller(size, beside), larger(size, beside))
-    half = wp.cw_mul(tangent, arctangent_ratio(wp.cw_mul(tangent, tangent)))
+    tangent = div(smaller(size, beside), larger(size, beside))
+    half = mul(tangent, arctangent_ratio(mul(tangent, tangent)))
     half = where_positive(size - beside, fill(half, half.dtype(_RIGHT_ANGLE)) - half, half)
     return where_positive(sine, half + half, -(half + half))

@@ -96,6 +96,7 @@ def _write(types: LaneTypes, place: str) -> str:
         __builtin_memcpy(&d, &scalar, sizeof(d));
         a = __arithmetic_fence(a), b = __arithmetic_fence(b), c = __arithmetic_fence(c), d = __arithmetic_fence(d);
         {_transposition()}
+        x = __arithmetic_fence(x), y = __arithmetic_fence(y), z = __arithmetic_fence(z), w = __arithmetic_fence(w);
         {stores}
         }}
 #else

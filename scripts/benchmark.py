@@ -3,6 +3,7 @@
     python scripts/benchmark.py rates [--case double_dome_5mm] [--json now.json] [--compare before.json]
     python scripts/benchmark.py laws        cost of each law, relative to the default one
     python scripts/benchmark.py cells       cost of each unit cell, relative to the plain weave
+    python scripts/benchmark.py compiling   processor time to compile the kernels of each unit cell
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
     python scripts/benchmark.py plies       cost of the contact between plies
     python scripts/benchmark.py meshes      cost of tools that are meshes, relative to built-in shapes
@@ -28,6 +29,7 @@ from scripts.benchmarks.against import against  # noqa: E402
 from scripts.benchmarks.answer import answer  # noqa: E402
 from scripts.benchmarks.batch import batch  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
+from scripts.benchmarks.compilation.times import compiling  # noqa: E402
 from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
 from scripts.benchmarks.laws import cells, laws  # noqa: E402
 from scripts.benchmarks.rates import rates, worker  # noqa: E402
@@ -38,7 +40,22 @@ from scripts.peers.command import peers  # noqa: E402
 
 app = typer.Typer(add_completion=False, help=__doc__, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command(hidden=True)(worker)
-for command in (rates, answer, laws, cells, sheets, batch, plies, meshes, against, peers, bounds, cuda, schedule):
+for command in (
+    rates,
+    answer,
+    laws,
+    cells,
+    compiling,
+    sheets,
+    batch,
+    plies,
+    meshes,
+    against,
+    peers,
+    bounds,
+    cuda,
+    schedule,
+):
     app.command()(command)
 
 if __name__ == "__main__":

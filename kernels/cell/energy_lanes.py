@@ -27,7 +27,7 @@ from ..lanes import (
     magnitude,
     where_positive,
 )
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .cell_formulas import STRAIN_COUNT, CellFormulas, StateRows, cell_formulas
 from .energy_cell import CellFunctions, energy_cell
 from .lane_newton import ENERGY, PRESSURE, RESIDUAL, SLOPE, equilibrium_function, tangent_function

@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .law import MAXIMUM_ITERATIONS
 from .yarn import ELONGATION, MOMENT, STIFFNESS, yarn_expansion, yarn_forces, yarn_remainder
 

@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, lane_maximum, larger, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .cell_formulas import STRAIN_COUNT, TANGENT_ENTRIES, StateRows
 from .iteration import FIRST_SHIFT
 from .law import MAXIMUM_ITERATIONS

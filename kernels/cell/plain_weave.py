@@ -15,7 +15,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .heights import contact_stiffness, regular_parts, rounded_closing, settled_closing, solve_unit_cell
 from .law import CellLaw
 from .yarn import yarn_axial_stiffness, yarn_forces, yarn_hessian, yarn_strain

@@ -12,7 +12,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, larger, smaller
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow, ClockEntry
 from .law import CellLaw
 

@@ -5,7 +5,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import angle_of, fill, inverses, larger, magnitude, square_root, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 
 # Rows of a yarn's state, from which its higher derivatives are computed: l - l0, axial stiffness [N/m], moment [N m],
 # cosine and sine of the chord, 1/l.

@@ -5,7 +5,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ToolPoseRow
 from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct
 from .tool_shapes import part_struct

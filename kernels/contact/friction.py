@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, lane_types, larger, smaller, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 
 # Argument of the table.
 NO_ARGUMENT = wp.constant(0)  # Coulomb: one coefficient

@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import dot, fill, lane_types, larger, scale, square_root, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 
 
 @cache

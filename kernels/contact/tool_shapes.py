@@ -18,7 +18,7 @@ from zlib import crc32
 import warp as wp
 
 from ..lanes import fill, larger, magnitude, smaller, square_root, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .mesh_samples import volume_distance
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import warp as wp
 
 from ..curve import curve_energy, curve_struct, odd_curve
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .contract import YARN_CURVATURE_COUPLING, YARN_CURVATURE_STIFFENING, BendingDevice, yarn_widening
 from .yarn_bending import family_resultants
 

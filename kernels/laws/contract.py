@@ -14,7 +14,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, magnitude
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .contract import BendingDevice, quadratic_energy
 
 

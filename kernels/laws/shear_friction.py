@@ -7,7 +7,7 @@ import warp as wp
 
 from ..curve import curve_size, curve_struct
 from ..lanes import fill, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .contract import FrictionDevice
 
 

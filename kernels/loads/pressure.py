@@ -10,7 +10,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import cross, dot, lane_sum, lane_types, scale
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record4, store_record4, vector_of
 from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, ClockEntry, CornerRow, MotionRow
 from ..shell.kinematics import corner_vector, element_struct

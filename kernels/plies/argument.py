@@ -6,7 +6,7 @@ import warp as wp
 
 from ..contact.friction import NO_ARGUMENT, YARN_ANGLE, friction_law_struct, law_argument, widened
 from ..lanes import dot, fill, lane_types, magnitude, scale, smaller, square_root
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import MotionRow, PlyRow
 from .data import record_struct, slaves_struct
 from .facet import facets_struct, patch_functions

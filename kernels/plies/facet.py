@@ -26,7 +26,7 @@ from ..lanes import (
     smaller,
     where_positive,
 )
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import gather4, vector_of
 from ..rows import MotionRow
 
@@ -177,7 +177,7 @@ def corner_weight(corner: int, xi: Any, eta: Any):
     second = one - eta
     if corner > 1:
         second = one + eta
-    return first.dtype(0.25) * wp.cw_mul(first, second)
+    return first.dtype(0.25) * mul(first, second)
 
 
 @wp.func

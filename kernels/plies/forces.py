@@ -20,7 +20,7 @@ from ..lanes import (
     square_root,
     where_positive,
 )
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import PlyRow, PlyWorkRow
 from .argument import friction_argument_function, yarn_angle_function
 from .data import NO_DEPTH, contact_law_struct, record_struct, slaves_struct
@@ -83,7 +83,7 @@ def ply_forces_function(real: type, lane_count: int):
     def book_release(record: Record, block: int, stand: Stand, stiffness: lanes):
         """A node that slides off a free edge takes its springs' energy with it."""
         push = record.rows[PlyRow.push, block]
-        left = wp.cw_mul(fill(push, 1.0) - stand.has_foot, push)
+        left = mul(fill(push, 1.0) - stand.has_foot, push)
         if lane_maximum(left) > real(0.0):
             released = real(0.5) * left * push / larger(stiffness, lanes(real(1.0e-30)))
             works = record.works

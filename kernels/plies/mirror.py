@@ -21,7 +21,7 @@ from ..lanes import (
     store_rows3,
     where_positive,
 )
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import record3, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
@@ -118,7 +118,7 @@ def meet_mirror_kernel(real: type, lane_count: int):
     def book(mirror: Mirror, record: Record, block: int, lost: lanes, stray: lanes):
         """Energy lost in the dashpot, and of the springs of nodes that are turned away."""
         push = record.rows[PlyRow.push, block]
-        released = where_positive(stray, wp.cw_mul(push, push), lanes())
+        released = where_positive(stray, mul(push, push), lanes())
         released = real(0.5) * released / larger(mirror.stiffness[block], lanes(real(1.0e-30)))
         works = record.works
         works[PlyWorkRow.damping_loss, block] = works[PlyWorkRow.damping_loss, block] + lost + released
@@ -145,7 +145,7 @@ def meet_mirror_kernel(real: type, lane_count: int):
         push, pressed = normal_force(depth - entry, -velocity, mirror.stiffness[block], mirror.damping_time)
         dashpot = pressed - push
         lost = lost - real(0.5) * step * dashpot
-        book(mirror, record, block, wp.cw_mul(lost, velocity), stray)
+        book(mirror, record, block, mul(lost, velocity), stray)
         force = lanes3()
         force[mirror.axis] = mirror.side * pressed
         store_record4(rows, PLY_RECORD_LENGTH, PlyRow.force, block, force, lanes())

@@ -9,7 +9,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import dot, fill, lane_maximum, lane_types, rows3, square_root, step_options, store_rows3, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow, PlyWorkRow
@@ -46,7 +46,7 @@ def close_books_function(real: type, lane_count: int):
         rubbed = time * dot(drag, velocity)
         works = record.works
         works[PlyWorkRow.friction_work, block] = works[PlyWorkRow.friction_work, block] - rubbed
-        damped = time * wp.cw_mul(dashpot, leaving)
+        damped = time * mul(dashpot, leaving)
         works[PlyWorkRow.damping_loss, block] = works[PlyWorkRow.damping_loss, block] - damped
 
     @wp.func
@@ -100,9 +100,9 @@ def meet_plies_kernel(real: type, lane_count: int):
     def keep_stray(record: Record, block: int, stand: Stand, stray: lanes):
         """1 where a node has its foot, 0 where it has none near; those that have just lost it become strays."""
         tracked = where_positive(stray, lanes(), fill(stray, 1.0))
-        lost = wp.cw_mul(tracked, stand.lost)
+        lost = mul(tracked, stand.lost)
         record.rows[PlyRow.stray, block] = where_positive(lost, lanes(real(LEAST_STRAY)), stray)
-        return wp.cw_mul(stand.has_foot, tracked)
+        return mul(stand.has_foot, tracked)
 
     @wp.func
     def restrict(stand: Stand, has_foot: lanes, stray: lanes):

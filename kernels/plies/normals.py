@@ -11,7 +11,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import cross, dot, fill, lane_types, larger, scale, square_root, step_options
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import gather4, record3, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, MotionRow
 
@@ -64,12 +64,12 @@ def surface_normals_kernel(real: type, lane_count: int):
         for slot in range(table.following.shape[0]):
             ahead = away(motion, table.following[slot, block], table.stride, position)
             behind = away(motion, table.preceding[slot, block], table.stride, position)
-            squared = wp.cw_mul(dot(ahead, ahead), dot(behind, behind))
+            squared = mul(dot(ahead, ahead), dot(behind, behind))
             # where there is no element, both are zero
             weight = fill(squared, 1.0) / larger(squared, lanes(real(1.0e-30)))
             total = total + scale(weight, cross(ahead, behind))
         for c in range(3):
-            total[c] = wp.cw_mul(table.kept[c, block], total[c])
+            total[c] = mul(table.kept[c, block], total[c])
         # padding has none
         length = larger(square_root(dot(total, total)), lanes(real(1.0e-30)))
         store_record4(normals, NORMAL_ROW_COUNT, 0, block, scale(fill(length, 1.0) / length, total), lanes())

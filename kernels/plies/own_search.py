@@ -10,7 +10,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..rows import MotionRow, PlyRow
 from .data import NO_DEPTH, UNSOUGHT, record_struct

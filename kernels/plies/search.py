@@ -9,7 +9,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_maximum, lane_types
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow

@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import cross, dot, fill, lane_types, magnitude, scale, square_root, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, MotionRow, PlyRow
 from .data import NO_DEPTH, contact_law_struct, record_struct

@@ -9,7 +9,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import dot, fill, lane_types, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, record3, record4, vector_of
 from .data import slaves_struct
 from .facet import corner_entries, facets_struct, patch_at, patch_functions

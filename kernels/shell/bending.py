@@ -10,7 +10,7 @@ import warp as wp
 
 from ..curve import book_loss, slide, spring_energy
 from ..lanes import fill, lane_types
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import SlipRow
 
 # The two families of yarns.

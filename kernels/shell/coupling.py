@@ -10,7 +10,7 @@ import warp as wp
 
 from ..lanes import dot, fill, lane_types, larger, square_root
 from ..laws.contract import BendingDevice, device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CurvatureRow, TransverseShearRow
 from .eigenvalue import largest_of_pencil
 from .hourglass import hourglass_stiffnesses, twist_weights

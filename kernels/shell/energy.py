@@ -10,7 +10,7 @@ from ..cell.newton import emitted_late
 from ..curve import spring_energy
 from ..lanes import dot, fill, lane_types, where_positive
 from ..laws.contract import device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow, ElementField, MotionRow, ResultantRow, SheetEnergy, SlipRow
 from .bending import WARP, WEFT, bending_friction_energy, resultants_struct, transverse_shear
 from .hourglass import hourglass_function, hourglass_stiffnesses

@@ -5,7 +5,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import lane_types, larger, magnitude, smaller
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ExtremeRow, MotionRow
 from .kinematics import (
     bend_function,

@@ -9,7 +9,7 @@ from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
 from ..lanes import GPU_LANE_COUNT, expect, expect_rows, fill, lane_types, scale, step_options, where_positive
 from ..laws.contract import device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4
 from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, CellReportRow, CornerRow, MotionRow
 from .bending import bending_friction, resultants_struct, transverse_shear

@@ -9,7 +9,7 @@ from ..cell.law import CellLaw, tangent_struct
 from ..cell.newton import emitted_late
 from ..lanes import dot, fill, lane_types, larger, magnitude, square_root, where_positive
 from ..laws.contract import device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ClockEntry, InertiaRow, MotionRow
 from .coupling import coupled_function, sizes_function
 from .eigenvalue import in_tangent_plane, largest_in_plane, largest_of_pencil, symmetric2_struct, symmetric4_struct

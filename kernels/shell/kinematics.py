@@ -14,7 +14,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import angle_of, cross, dot, fill, inverses, lane_types, pick, scale, square_root
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, vector_of
 from ..rows import CurvatureRow, GradientRow, MotionRow, OffsetRow, TransverseShearRow
 

@@ -9,7 +9,7 @@ from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
 from ..lanes import fill, inverses, lane_maximum, larger, where_positive
 from ..laws.contract import device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow
 from .kinematics import corner_angles
 from .laws import SheetTraits

@@ -8,7 +8,7 @@ import warp as wp
 from ..curve import book_loss, slide
 from ..lanes import fill, where_positive
 from ..laws.contract import device_law
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import SlipRow
 from .laws import SheetTraits
 

@@ -5,7 +5,7 @@ from typing import Any
 import warp as wp
 
 from ..lanes import fill, power, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 
 
 @wp.func

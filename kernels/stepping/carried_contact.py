@@ -8,7 +8,7 @@ from ..contact.carried_pose import posed_distance_function, read_pose_function, 
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import away_function, tool_set_struct
 from ..lanes import cross, lane_maximum, lane_sum, lane_types, larger, rows3, store_rows3
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
 from .tool_contact import contact_function, meet_tools_function

@@ -6,7 +6,7 @@ import warp as wp
 
 from ..contact.penalty import touch_struct
 from ..lanes import dot, lane_types, rows3, step_options
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .carried_contact import meeting_function
@@ -120,7 +120,7 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         if wp.static(traits.sampled):
             note_motion(block, travel, present.step * (spin_sum - present.spin), touch)
         middle = real(0.5) * (present.velocity + velocity)
-        moving = wp.cw_mul(free, middle)
+        moving = mul(free, middle)
         worked = support_work(present, acceleration, velocity - present.velocity, middle - moving, around.supports)
         damped = dashpot_power - dot(dashpots, middle) + laws.damping * present.mass * dot(moving, moving)
         rubbed = present.mean_step * (friction_power - dot(friction, middle))

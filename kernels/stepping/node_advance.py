@@ -8,7 +8,7 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
 from ..machine import following
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4
 from ..rows import MOTION_RECORD_LENGTH, MotionRow, MovedRow
 from .node_data import node_laws_struct, present_struct, support_struct
@@ -60,8 +60,8 @@ def translate_function(real: type, lane_count: int, loaded: bool):
         # compensated, as the positions: an increment is often less than the spacing of numbers beside the velocity.
         # Weight, loads and damping in turn are often less than that beside the forces of a vibrating sheet
         small = (share * present.mean_step) * steady - (real(2.0) * decay * share) * present.velocity
-        large = wp.cw_mul(free, (share * present.mean_step) * pushed)
-        whole, cut = exact_sum(wp.cw_mul(free, small) + present.velocity_remainder, large)
+        large = mul(free, (share * present.mean_step) * pushed)
+        whole, cut = exact_sum(mul(free, small) + present.velocity_remainder, large)
         velocity = present.velocity + whole
         store_rows3(motion, MotionRow.velocity_remainder, block, (whole - (velocity - present.velocity)) + cut)
         return pushed + steady, free, velocity
@@ -85,8 +85,8 @@ def follow_supports_function(real: type, lane_count: int):
             k = following(k)
         # the travel itself is prescribed, so that rounding of velocities does not accumulate
         return (
-            travel + wp.cw_mul(follows, driven - travel),
-            velocity + wp.cw_mul(follows, driven / present.step - velocity),
+            travel + mul(follows, driven - travel),
+            velocity + mul(follows, driven / present.step - velocity),
         )
 
     return follow_supports
@@ -106,7 +106,7 @@ def support_work_function(real: type, lane_count: int, supported: bool):
             work = work + present.mass * dot(gained, held)
             needed = scale(present.mass, gained / present.mean_step - acceleration)
             follows = freedom_mask(supports.held[present.block], 0, lanes3())
-            store(supports.holding, present.block * lane_count, wp.cw_mul(follows, needed))
+            store(supports.holding, present.block * lane_count, mul(follows, needed))
         return work
 
     return support_work
@@ -173,7 +173,7 @@ def turn_function(real: type, lane_count: int):
         spin = present.spin
         free = freedom_mask(present.freedom, 3, lanes3())
         inverse_inertia = present.inverse_inertia
-        turning = wp.cw_mul(free, scale(inverse_inertia, cross(director, couple)))
+        turning = mul(free, scale(inverse_inertia, cross(director, couple)))
         decay = real(0.5) * laws.director_damping * present.mean_step
         # increments, not factors near one, which would be lost beside that
         new_spin = spin + (real(1.0) / (real(1.0) + decay)) * (present.mean_step * turning - (real(2.0) * decay) * spin)

@@ -7,7 +7,7 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..lanes import GPU_LANE_COUNT, cross, lane_maximum, lane_types, load, where_positive
 from ..machine import following
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, vector_of
 from ..rows import ClockEntry, CornerRow, LoadRow, ThicknessRow
 from .node_data import node_laws_struct, node_struct, present_struct

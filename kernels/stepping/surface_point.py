@@ -9,7 +9,7 @@ from functools import cache
 import warp as wp
 
 from ..lanes import dot, fill, lane_types, larger, scale, square_root
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, scatter4, vector_of
 from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow
 from .sample_data import load_struct, patch_struct, point_struct, samples_struct

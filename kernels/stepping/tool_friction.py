@@ -8,7 +8,7 @@ from ..contact.friction import NO_ARGUMENT, law_argument, table_function, tool_f
 from ..contact.penalty import friction_spring, touch_struct
 from ..contact.tool_distance import tool_set_struct
 from ..lanes import dot, lane_types, larger, rows3, scale, square_root, where_positive
-from ..operators import div, mul  # noqa: F401
+from ..operators import add, div, mul, sub  # noqa: F401
 from .node_data import node_laws_struct, present_struct
 
 
@@ -61,7 +61,7 @@ def rub_by_law_function(real: type, lane_count: int, carried: bool = False):
         trial = stretched - scale(dot(stretched, n), n)
         tangential = laws.tangential_ratio * (laws.contact_stiffness * present.mass)
         coefficient = coefficient_at(tools.argument, tools.coefficient, law.first, law.last, argument)
-        held = friction_spring(trial, tangential, wp.cw_mul(coefficient, push))
+        held = friction_spring(trial, tangential, mul(coefficient, push))
         film = where_positive(push, law.film * area, lanes())
         drag = -(scale(tangential, held) + scale(film, flat))
         return drag, held

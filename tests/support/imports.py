@@ -1,6 +1,7 @@
 """Which module of the project imports which, read from the sources of any checkout without importing them."""
 
 import ast
+from functools import cached_property
 from pathlib import Path
 
 # Folders next to weavesim/ in a checkout that are installed inside it.
@@ -35,7 +36,6 @@ class Sources:
 
     Attributes:
         file_of: path of every module of kernels, weavesim, scenes and scripts by its name, as it is imported.
-        tree_of: its syntax tree.
     """
 
     def __init__(self, root: Path) -> None:
@@ -46,7 +46,11 @@ class Sources:
                 parts = file.relative_to(root).with_suffix("").parts
                 parts = ("weavesim", *parts) if folder in INSIDE else parts
                 self.file_of[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
-        self.tree_of = {name: ast.parse(file.read_text()) for name, file in self.file_of.items()}
+
+    @cached_property
+    def tree_of(self) -> dict[str, ast.Module]:
+        """Of every module its syntax tree; reading them all takes seconds."""
+        return {name: ast.parse(file.read_text()) for name, file in self.file_of.items()}
 
     def is_package(self, module: str) -> bool:
         """Whether ``module`` is the __init__.py of a folder."""

@@ -16,8 +16,10 @@ from weavesim import kernel_cache
 from weavesim.kernel_cache import SEAL_NAME, damage, modules, own_folders, remove_unused
 
 SLOW = pytest.mark.slow
+# Of one small kernel headers that are compiled before take longer than the kernel.
 LAUNCH = """
 import warp as wp
+wp.config.use_precompiled_headers = False
 from weavesim.device import initialise, load_kernel
 from weavesim.kernels.machine import barrier
 initialise()

@@ -172,7 +172,10 @@ def modules() -> list[str]:
     return result
 
 
-@pytest.mark.parametrize("module", modules())
+MODULES = modules()
+
+
+@pytest.mark.parametrize("module", MODULES)
 def test_every_module_has_its_test(module):
     if module in TESTED_ELSEWHERE:
         assert (TESTS / TESTED_ELSEWHERE[module]).is_file()
@@ -182,7 +185,7 @@ def test_every_module_has_its_test(module):
 
 
 def test_only_what_exists_is_tested_elsewhere():
-    assert set(TESTED_ELSEWHERE) <= set(modules())
+    assert set(TESTED_ELSEWHERE) <= set(MODULES)
 
 
 @pytest.mark.parametrize("scene", known_scenes().values(), ids=lambda scene: scene.module)

@@ -9,11 +9,13 @@ import pytest
 from tests.support.bad_tests import frame
 from tests.support.paths import ROOT
 from weavesim import load_fabric
+from weavesim.device import kernel_cache_base
 
 
 def run(*arguments, folder):
     command = [sys.executable, "-m", "weavesim", "calibrate", *map(str, arguments)]
     environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "HOME": str(folder)}
+    environment["WARP_CACHE_PATH"] = str(kernel_cache_base())  # else its home has a cache of its own
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
 
 

@@ -107,9 +107,10 @@ def texts_of_help() -> Iterator[tuple[str, list[str]]]:
     yield from below(typer.main.get_command(command_line.application), ())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "texts"), list(texts_of_help()), ids=[names or "all" for names, _ in texts_of_help()]
-)
+HELP = list(texts_of_help())
+
+
+@pytest.mark.parametrize(("arguments", "texts"), HELP, ids=[names or "all" for names, _ in HELP])
 def test_help_shows_what_stands_in_brackets(arguments, texts, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["weavesim", *arguments.split(), "--help"])
     with pytest.raises(SystemExit):

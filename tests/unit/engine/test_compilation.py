@@ -178,6 +178,7 @@ def test_runs_check_the_cache_before_they_load_kernels(monkeypatch):
 def test_what_is_loaded_is_not_compiled_again_by_its_launch(tmp_path):
     code = """
 import warp as wp
+wp.config.use_precompiled_headers = False  # of one small kernel they take longer than it
 from weavesim.device import initialise, is_compiled, load_kernel
 from weavesim.kernels.machine import barrier
 initialise()

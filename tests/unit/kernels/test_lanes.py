@@ -1,9 +1,12 @@
 """The lane vocabulary against NumPy, in both precisions, with one lane and with sixteen."""
 
+import re
+
 import numpy as np
 import pytest
 import warp as wp
 
+from tests.support.paths import ROOT
 from weavesim.engine.layout import lanes_view
 from weavesim.kernels.lanes import (
     angle_of,
@@ -23,7 +26,7 @@ from weavesim.kernels.lanes import (
     store,
     where_positive,
 )
-from weavesim.kernels.operators import div, mul  # noqa: F401
+from weavesim.kernels.operators import add, div, mul, sub  # noqa: F401
 
 
 @pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])
@@ -164,18 +167,51 @@ def test_vectors_load_pick_and_store(types):
     assert np.allclose(result.numpy(), expected, rtol=0.0, atol=50.0 * tolerance(types))
 
 
-def test_product_and_quotient_go_lane_by_lane(types):
-    lanes = types.lanes
+def test_operators_go_lane_by_lane(types):
+    lanes, real = types.lanes, types.real
 
     @wp.kernel(module="unique", enable_backward=False)
-    def operate(a: wp.array(dtype=lanes), b: wp.array(dtype=lanes), result: wp.array2d(dtype=lanes)):
-        result[0, wp.tid()] = a[wp.tid()] * b[wp.tid()]
-        result[1, wp.tid()] = a[wp.tid()] / b[wp.tid()]
+    def operate(a: wp.array2d(dtype=lanes), b: wp.array2d(dtype=lanes), third: real, result: wp.array3d(dtype=lanes)):
+        x = a[0, 0]
+        y = b[0, 0]
+        result[0, 0, 0] = x + y
+        result[1, 0, 0] = x - y
+        result[2, 0, 0] = x * y
+        result[3, 0, 0] = x / y
+        result[4, 0, 0] = third * x
+        result[5, 0, 0] = x / third
+        u = wp.matrix_from_rows(a[0, 0], a[1, 0], a[2, 0])
+        v = wp.matrix_from_rows(b[0, 0], b[1, 0], b[2, 0])
+        sums = wp.matrix_from_rows(a[0, 0], a[1, 0], a[2, 0], a[3, 0])
+        sums = sums + wp.matrix_from_rows(b[0, 0], b[1, 0], b[2, 0], b[3, 0])
+        for c in range(3):
+            result[0, 1 + c, 0] = (u + v)[c]
+            result[1, 1 + c, 0] = (u - v)[c]
+            result[2, 1 + c, 0] = mul(u, v)[c]
+            result[3, 1 + c, 0] = div(u, v)[c]
+            result[4, 1 + c, 0] = (third * u)[c]
+            result[5, 1 + c, 0] = (u / third)[c]
+        for c in range(4):
+            result[6, c, 0] = sums[c]
 
-    a, b = np.linspace(-2.0, 3.0, types.lane_count), np.linspace(1.0, 7.0, types.lane_count)
-    result = scalars(types, np.zeros((2, types.lane_count)))
-    wp.launch(operate, dim=1, inputs=[scalars(types, a), scalars(types, b)], outputs=[result], device="cpu")
-    assert np.allclose(numbers(result), np.concatenate([a * b, a / b]), rtol=tolerance(types))
+    rng = np.random.default_rng(2)
+    number = wp.dtype_to_numpy(real)
+    a, b = rng.normal(size=(2, 4, types.lane_count)).astype(number)
+    third = number(1.0 / 3.0)
+    result = scalars(types, np.zeros((7, 4, types.lane_count)))
+    wp.launch(operate, dim=1, inputs=[scalars(types, a), scalars(types, b), third], outputs=[result], device="cpu")
+    found = result.numpy().reshape(7, 4, types.lane_count)
+    both = np.array([a + b, a - b, a * b, a / b, third * a, a / third])
+    # each is rounded once: the same bits, whatever the lanes are made of
+    assert np.array_equal(found[:6, 0], both[:, 0])
+    assert np.array_equal(found[:6, 1:], both[:, :3])
+    assert np.array_equal(found[6], a + b)
+
+
+def test_modules_import_all_operators_or_none():
+    for file in (ROOT / "kernels").rglob("*.py"):
+        imported = re.findall(r"^from \.+operators import (.*)$", file.read_text(), re.MULTILINE)
+        assert imported in ([], ["add, div, mul, sub  # noqa: F401"]), file
 
 
 def test_number_in_every_lane(types):

@@ -1,5 +1,7 @@
 """The picture of the architecture shows the rooms that there are, and no import that points up."""
 
+from functools import cache
+
 import pytest
 from PIL import Image
 
@@ -9,7 +11,12 @@ from tests.support.paths import ROOT
 from tests.support.rooms import ORDER
 
 SOURCES = Sources(ROOT)
-HOUSE = House.of(SOURCES)
+
+
+@cache
+def house() -> House:
+    """That of the checkout: it reads all of it, which takes seconds."""
+    return House.of(SOURCES)
 
 
 def upward(arrows, order) -> set:
@@ -21,16 +28,16 @@ def test_the_rooms_are_those_of_the_tree():
     folders = {file.relative_to(ROOT).parts[:-1] for file in SOURCES.file_of.values()}
     names = {parts[1] if parts[0] == "weavesim" and len(parts) > 1 else parts[0] for parts in folders}
     assert set(ROOMS) == names - {"weavesim"} | {"base"}
-    assert tuple(HOUSE.modules) == tuple(ROOMS) == ORDER
+    assert tuple(house().modules) == tuple(ROOMS) == ORDER
     inside = {parts[1] for parts in folders if parts[0] == "kernels" and len(parts) > 1}
     assert {name for row in KERNEL_ROWS for name in row} == inside | {""}
 
 
 def test_no_arrow_points_up():
-    assert upward(HOUSE.arrows, ORDER) == set()
+    assert upward(house().arrows, ORDER) == set()
     rows_upwards = [name for row in reversed(KERNEL_ROWS) for name in row]
-    assert upward(HOUSE.kernel_arrows, rows_upwards) == set()
-    beside = {pair for pair in HOUSE.kernel_arrows for row in KERNEL_ROWS if set(pair) <= set(row)}
+    assert upward(house().kernel_arrows, rows_upwards) == set()
+    beside = {pair for pair in house().kernel_arrows for row in KERNEL_ROWS if set(pair) <= set(row)}
     assert beside == set()
 
 
@@ -52,7 +59,7 @@ def test_a_step_is_repeated_between_stops_of_it():
 
 
 def test_the_picture_is_written_and_the_kept_one_shows_the_same_rooms(tmp_path):
-    draw(HOUSE, tmp_path / "rooms.png")
+    draw(house(), tmp_path / "rooms.png")
     for path in (tmp_path / "rooms.png", ROOT / "docs/images/architecture.png"):
         with Image.open(path) as picture:
             assert picture.info["Description"].split() == list(ORDER)

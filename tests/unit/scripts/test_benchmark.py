@@ -1,20 +1,37 @@
 """The benchmark runs, and says what it measured; how fast anything is, no test asks."""
 
 import json
+import logging
+import os
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from typer.testing import CliRunner
 
 from scripts.benchmarks.cases import element_count
+from scripts.benchmarks.compilation import times
 from tests.support.paths import ROOT
 
 SCRIPT = ROOT / "scripts" / "benchmark.py"
 
 
 def benchmark(*arguments: str) -> str:
-    """What it prints."""
+    """What it prints; without a start of its own, which takes longer than most of its work here."""
+    from scripts.benchmark import app
+
+    try:
+        result = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    finally:
+        logging.disable(logging.NOTSET)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def started_benchmark(*arguments: str) -> str:
+    """What it prints in a process of its own."""
     command = [sys.executable, str(SCRIPT), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
@@ -24,7 +41,7 @@ def test_rates_are_reported_with_their_problem_and_earlier_ones(tmp_path):
     file = tmp_path / "rates.json"
     what = ("rates", "--case", "double_dome_10mm", "--precision", "float32", "--threads", "1,2")
     length = ("--seconds", "0.01", "--turns", "1")
-    benchmark(*what, *length, "--json", str(file))
+    started_benchmark(*what, *length, "--json", str(file))
     rows = json.loads(file.read_text())["rows"]
     assert [row["threads"] for row in rows] == [1, 2]
     for row in rows:
@@ -52,6 +69,31 @@ def test_simulations_of_both_versions_say_how_large_they_are():
     blank = SimpleNamespace(element_count=7)
     assert element_count(SimpleNamespace(blank=blank)) == 7
     assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7
+
+
+def test_processor_time_is_that_of_a_process_and_of_those_it_waits_for():
+    work = "import time\nwhile time.process_time() < 0.3: pass"
+    outer = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {work!r}])"
+    assert times.processor_time([sys.executable, "-c", outer], dict(os.environ)) >= 0.3
+    with pytest.raises(subprocess.CalledProcessError):
+        times.processor_time([sys.executable, "-c", "raise SystemExit(1)"], dict(os.environ))
+
+
+def test_every_compilation_begins_with_an_empty_cache(monkeypatch):
+    asked = []
+
+    def processor_time(command, variables):
+        cache = Path(variables["WARP_CACHE_PATH"])
+        assert list(cache.iterdir()) == []
+        (cache / "compiled").touch()
+        asked.append(command[1:])
+        return 1.0
+
+    monkeypatch.setattr(times, "processor_time", processor_time)
+    for precision in ("float32", "float64"):
+        assert times.seconds_to_compile("double-dome", "twill", precision) == 1.0
+    options = ("--scene", "double-dome", "--unit-cell", "twill", "--precision", "float64", "--processes", "1")
+    assert asked[1] == ["-m", "weavesim", "compile", *options]
 
 
 @pytest.mark.slow

@@ -45,7 +45,7 @@ class RunRecord:
 
     def __init__(self, folder: Path, info: RunInfo, options: Mapping[str, Any]) -> None:
         self._folder = folder
-        self._names: dict[str, None] = {}
+        self._names: dict[str, str] = {}  # as JSON
         self._pace = Pace()
         self._hashes: dict[str, str] = {}
         self._content: dict[str, Any] = {
@@ -71,10 +71,10 @@ class RunRecord:
 
     def write(self) -> None:
         """Write the file."""
-        # written often, with hundreds of names: as JSON with an indent, but without its encoder in Python
+        # written often, with hundreds of names: as JSON with an indent, but without its encoder
         lines = [
-            f"\n    {json.dumps(name, ensure_ascii=False)}: {json.dumps(self._hashes.get(name))}"
-            for name in self._names
+            f'\n    {text}: "{self._hashes[name]}"' if name in self._hashes else f"\n    {text}: null"
+            for name, text in self._names.items()
         ]
         files = f"{','.join(lines)}\n  " if lines else ""
         content = summary_text(self._content).removesuffix("\n}\n")
@@ -85,7 +85,7 @@ class RunRecord:
         with suppress(ValueError):
             name = path.relative_to(self._folder).as_posix()
             if name not in self._names and name != RECORD_NAME:
-                self._names[name] = None
+                self._names[name] = json.dumps(name, ensure_ascii=False)
                 if not fnmatch(name, NUMBERED):
                     self.write()
                 elif self._pace.due():

@@ -55,7 +55,7 @@ class UnitCellFailures(LimitGuard):
 
     def watch(self, frame: Frame, ledger: Ledger) -> None:
         """Note the first that fail, with the place of the worst."""
-        failed = [np.nan_to_num(sheet.fields["unit_cell_failed"]) > 0.0 for sheet in frame.sheets]
+        failed = [sheet.fields["unit_cell_failed"] > 0.0 for sheet in frame.sheets]
         self._count = sum(int(own.sum()) for own in failed)
         if self._first is None and self._count:
             residuals = [

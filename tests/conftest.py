@@ -13,10 +13,12 @@ from tests.support.default_device import use_by_default
 from tests.support.frames import Frames
 from tests.support.made_run import made_run, made_stack
 from tests.support.manual import Case
+from tests.support.sampled_once import sampled_once
 from tests.support.sheet import Sheet, plain_fabric
 from weavesim.device import Precision, initialise
 from weavesim.fabric.fabric import Fabric
 from weavesim.sheet.blank import Blank
+from weavesim.tools import sampling
 
 
 def pytest_addoption(parser):
@@ -101,6 +103,14 @@ def browser() -> Iterator[HeadlessBrowser]:
     """A headless browser: ``with browser.open(page) as opened``; skipped with a reason where there is none."""
     with headless_browser() as opened:
         yield opened
+
+
+@pytest.fixture(scope="module")
+def tools_sampled_once() -> Iterator[None]:
+    """In modules that use this, equal meshes of tools are sampled once; what samples are is not their matter."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sampling, "_sample", sampled_once)
+        yield
 
 
 @pytest.fixture

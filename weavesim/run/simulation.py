@@ -153,7 +153,7 @@ class Simulation(PreparedOnce):
     def checkpoint(self) -> bool:
         """Write a checkpoint now, between two steps, if the run keeps some; returns whether it did.
 
-        A run writes them by itself from time to time, when a signal ends it, and at its end.
+        A run writes them by itself from time to time, when a signal ends it, and at the end of one of some length.
         """
         if self._checkpoints is None:
             return False
@@ -267,8 +267,9 @@ class Simulation(PreparedOnce):
             if stops:
                 watch.look(self.frame, last=True)
                 return Outcome.STOPPED
-        # before the last look, which a run that goes on from here takes again
-        self.checkpoint()
+        if self._checkpoints is not None and self._checkpoints.much_is_new:
+            # before the last look, which a run that goes on from here takes again
+            self.checkpoint()
         stages.finish(self.frame, self.model.setup)
         watch.look(self.frame, last=True)
         return Outcome.FINISHED

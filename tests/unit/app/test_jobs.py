@@ -17,6 +17,8 @@ from weavesim.job.read import read_job
 from weavesim.output.claim.record import frame_hash
 from weavesim.scenes.scene import known_scenes
 
+pytestmark = pytest.mark.usefixtures("tools_sampled_once")
+
 DOME = {"mesh_size": 0.02, "stroke": 0.004, "punch_speed": 2.0}
 
 

@@ -9,6 +9,8 @@ from weavesim.job.build import setup_of
 from weavesim.job.check import check_setup, table_of
 from weavesim.job.read import read_job
 
+pytestmark = pytest.mark.usefixtures("tools_sampled_once")
+
 
 def rows_of(folder, *changes):
     text = changed(TRAY, *changes)

@@ -36,7 +36,7 @@ def test_a_run_of_some_seconds_to_minutes_has_about_ten_pages(clock, duration, c
     assert len(times) * cost <= 0.05 * duration
 
 
-@pytest.mark.parametrize("duration", [1.9, 4.0, 6.9, 11.0])
+@pytest.mark.parametrize("duration", [1.9, 4.0, 6.9, 11.0, 16.0])
 def test_a_run_of_a_few_seconds_has_none_before_its_end(clock, duration):
     """Its only page would take a twentieth of it, and be replaced at once."""
     assert written(clock, duration, 0.1) == []

@@ -98,13 +98,13 @@ FIRST_PAGE = 2.0
 EARLY_PAGES, EARLY_INTERVAL, EARLY_SHARE = 10, 2.0, 0.05
 PAGE_INTERVAL, LARGEST_SHARE = 10.0, 0.02
 # A run that ends sooner [s] has its last page by then; for its first one, more is prepared and imported.
-LEAST_LEFT, LEAST_LEFT_AT_FIRST = 5.0, 10.0
+LEAST_LEFT, LEAST_LEFT_AT_FIRST = 5.0, 15.0
 
 
 class PagePace:
     """Says when to write: two seconds after the first frame, then every two seconds but for a twentieth of the time at
     most, and after ten pages every ten seconds but for a fiftieth of it at most; in the last five seconds of a run not
-    at all. The first one is not written in its last ten seconds either."""
+    at all. The first one is not written in its last fifteen seconds either."""
 
     def __init__(self) -> None:
         self._next: float | None = None

@@ -31,8 +31,12 @@ JOB_NAME, FRAMES_NAME = "job.bin", "frames.bin"
 _NUMBERED = re.compile(r"\d{6}\.bin")
 # Of the last checkpoints: one more than the last, should the disk damage that.
 KEPT_COUNT = 2
-# Frames that had no room on the disk are kept in memory up to this size [bytes], and tried again.
+# Frames wait in memory for the next checkpoint, which alone leads to them, up to this size [bytes].
+LARGEST_WAITING = 2**26
+# Those that have no room on the disk are kept up to this size, and tried again.
 LARGEST_BACKLOG = 2**28
+# A run that ends so soon after its last checkpoint, as a share of the interval, writes none at its end.
+SHORT_SHARE = 0.1
 
 
 class Found(NamedTuple):
@@ -68,10 +72,11 @@ class Checkpoints:
         self.found: Found | None = None
         self._journal = FrameJournal(self.folder / FRAMES_NAME)
         self._backlog: list[Frame] = []
-        self._number = 0
+        self._waiting = self._number = 0
         self._setup_hash = ""
         self._tried_at = 0
         self._next = time.monotonic() + interval
+        self._last_time = time.monotonic()
         self._last = "there is none yet"
         self._said = self._given_up = False
 
@@ -82,7 +87,8 @@ class Checkpoints:
         self.job = job
         self._given_up = False
         self._given_up = not self._try(lambda: self._prepare(job), "none will be written")
-        self._next = time.monotonic() + self.interval
+        self._last_time = time.monotonic()
+        self._next = self._last_time + self.interval
 
     def _prepare(self, job: Job) -> None:
         if not self._keeps(job):
@@ -90,6 +96,7 @@ class Checkpoints:
             self.folder.mkdir(exist_ok=True)
             job.write(self.folder / JOB_NAME)
             sync_folder(self.folder.parent)
+        self._backlog.clear()
         self._journal.begin()
 
     def _keeps(self, job: Job) -> bool:
@@ -103,9 +110,12 @@ class Checkpoints:
         """Keep a frame that the run has taken."""
         if not self._given_up:
             self._backlog.append(frame)
-            self._try(self._catch_up, "it is tried again")
+            self._waiting += 10 * sum(sheet.position.nbytes for sheet in frame.sheets)
+            if self._waiting > LARGEST_WAITING:
+                self._try(self._catch_up, "it is tried again")
 
     def _catch_up(self) -> None:
+        self._waiting = 0
         while self._backlog:
             try:
                 self._journal.append(self._backlog[0])
@@ -128,8 +138,14 @@ class Checkpoints:
         started, self._tried_at = time.monotonic(), simulation.state.step_count
         done = self._try(lambda: self._write(simulation), "it is tried again")
         now = time.monotonic()
+        self._last_time = now if done else self._last_time
         self._next = now + max(self.interval, (now - started) / LARGEST_SHARE)
         return done
+
+    @property
+    def much_is_new(self) -> bool:
+        """Whether so much has been computed since the last one that the end of a run, too, is worth one."""
+        return time.monotonic() >= self._last_time + SHORT_SHARE * self.interval
 
     def _write(self, simulation: Simulation) -> None:
         self._catch_up()

@@ -109,6 +109,20 @@ def test_a_stage_can_write_one_when_it_likes(tmp_path):
     assert written == [True] * 5
 
 
+def test_a_run_that_ends_soon_keeps_its_job_alone(tmp_path):
+    simulation = small_run(**GIVEN)
+    simulation.run(checkpoints=Checkpoints(tmp_path, 1e9))
+    assert files(tmp_path) == ["frames.bin", "job.bin"]
+    assert not (tmp_path / module.FOLDER_NAME / "frames.bin").stat().st_size
+    assert Checkpoints(tmp_path).find() is None
+
+
+def test_frames_that_take_much_memory_do_not_wait_for_a_checkpoint(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "LARGEST_WAITING", 1)
+    small_run(**GIVEN).run(checkpoints=Checkpoints(tmp_path, 1e9))
+    assert (tmp_path / module.FOLDER_NAME / "frames.bin").stat().st_size > 5000
+
+
 @pytest.mark.parametrize("what", ["flipped", "cut", "empty", "missing"])
 def test_the_one_before_a_damaged_one_is_taken(tmp_path, whole, caplog, what):
     run_in(tmp_path)

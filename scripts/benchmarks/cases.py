@@ -34,18 +34,46 @@ def _ready(made: Any) -> Any:
     return made if isinstance(made, Simulation) else Simulation(made)
 
 
-def _patch(side: int) -> Callable[..., Any]:
+def _patch(side: int, at_random: bool = False) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements, stretched, sheared and thrown, without tools.
 
-    Elements are 5 mm large, smaller where the sheet would be larger than is usual.
+    Elements are 5 mm large, smaller where the sheet would be larger than is usual. Nodes and elements are numbered row
+    by row, or ``at_random``.
     """
 
-    def build(**options: Any):
-        from weavesim import Blank, Simulation
-        from weavesim.fabric import glass_polypropylene
+    def blank():
+        from weavesim import Blank
 
         size = min(0.005, 7.9 / side)
-        blank = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
+        rows = Blank.rectangle((0.0, 0.0), (side * size, side * size), size)
+        if not at_random:
+            return rows
+        random = np.random.default_rng(0)
+        order = random.permutation(rows.node_count)
+        number = np.empty_like(order)
+        number[order] = np.arange(len(order))
+        return Blank.from_mesh(rows.node_position[order], number[random.permutation(rows.quads)])
+
+    return _thrown(blank)
+
+
+def _disc(radius: float) -> Callable[..., Any]:
+    """A free disc with elements of 5 mm, thrown likewise: a fitted mesh, with those along its border at its end."""
+
+    def blank():
+        from weavesim import Blank
+
+        return Blank.disc(radius, 0.005)
+
+    return _thrown(blank)
+
+
+def _thrown(make_blank: Callable[[], Any]) -> Callable[..., Any]:
+    def build(**options: Any):
+        from weavesim import Simulation
+        from weavesim.fabric import glass_polypropylene
+
+        blank = make_blank()
         x, y, _ = blank.node_position.T
         wave = 20.0 * np.pi
         velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
@@ -73,9 +101,15 @@ CASES: dict[str, Callable[..., Any]] = {
     "patch_100k": _patch(316),
     "patch_1m": _patch(1000),
     "patch_10m": _patch(3162),
+    "patch_10k_at_random": _patch(100, at_random=True),
+    "patch_100k_at_random": _patch(316, at_random=True),
+    "disc_11k": _disc(0.3),
+    "disc_45k": _disc(0.6),
 }
-# These run only by name: 5,000 elements are for a GPU, and the largest need 3 and 30 GB and several minutes.
-DEFAULT_CASES = tuple(name for name in CASES if name not in ("patch_5k", "patch_1m", "patch_10m"))
+# These run only by name: 5,000 elements are for a GPU, the largest need 3 and 30 GB and several minutes, and the last
+# four are about the order of a mesh.
+BY_NAME = ("patch_5k", "patch_1m", "patch_10m", "patch_10k_at_random", "patch_100k_at_random", "disc_11k", "disc_45k")
+DEFAULT_CASES = tuple(name for name in CASES if name not in BY_NAME)
 
 
 def element_count(simulation: Any) -> int:

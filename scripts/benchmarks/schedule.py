@@ -55,6 +55,11 @@ class Step:
         return self.work + self.serial + self.barriers
 
 
+def blocks(runs: Sequence[tuple[int, int]]) -> int:
+    """Blocks of all runs."""
+    return sum(count for _, count in runs)
+
+
 def step_on(parts: Sequence, times: Times, wait: float | None = None) -> Step:
     """A step as ``weavesim.engine.tiling.tiles.divide_step`` shares it out.
 
@@ -63,8 +68,11 @@ def step_on(parts: Sequence, times: Times, wait: float | None = None) -> Step:
         times: of their work.
         wait: of one barrier [s]; by default that of an atomic counter.
     """
-    tiles = [sum(times.element * n + times.node * m for (_, n), (_, m) in part.tiles) for part in parts]
-    shared = [sum(times.node * n for _, n in part.shared) for part in parts]
+    tiles = [
+        sum(times.element * blocks(tile.elements) + times.node * blocks(tile.nodes) for tile in part.tiles)
+        for part in parts
+    ]
+    shared = [times.node * blocks(part.shared) for part in parts]
     wait = BARRIER + BARRIER_PER_THREAD * len(parts) if wait is None else wait
     work = max(tiles) + max(shared)
     return Step(

@@ -29,8 +29,8 @@ from .threads import ThreadChoice
 from .tiling.division import Division
 from .tiling.tiles import chunks
 
-# A thread with more tiles records one step instead of a block: recording a launch takes about 70 us.
-LARGEST_RECORDED_TILE_COUNT = 8
+# A thread with more runs records one step instead of a block: recording a launch takes about 70 us.
+LARGEST_RECORDED_RUN_COUNT = 16
 # Largest number of blocks before the host checks the clock, and on a GPU that checks the clock itself.
 LARGEST_REPLAY = 50
 LARGEST_INTERVAL = 10_000
@@ -135,12 +135,13 @@ class Stepper:
             launches.plies.meet(thread_count, thread)
             wait()
         for index, part, ring in own:
-            for elements, nodes in part.tiles:
-                launches.element_forces(index, *elements, ring)
-                launches.plies.push(index, *elements, ring)
-                launches.loads.apply(index, *elements, ring)
-                launches.meet_between_nodes(index, *elements)
-                if nodes[1]:
+            for tile in part.tiles:
+                for elements in tile.elements:
+                    launches.element_forces(index, *elements, ring)
+                    launches.plies.push(index, *elements, ring)
+                    launches.loads.apply(index, *elements, ring)
+                    launches.meet_between_nodes(index, *elements)
+                for nodes in tile.nodes:
                     launches.move_nodes(index, *nodes, ring)
         wait()
         for index, part, ring in own:
@@ -238,8 +239,8 @@ class Stepper:
             self._block_graphs[thread_count] = [[self._replay.record(self._block_of_whole_launches)]]
         elif thread_count not in self._block_graphs:
             divided, record = self._launches.divided(thread_count), self._replay.record
-            tile_count = max(sum(len(sheet.parts[k].tiles) for sheet in divided) for k in range(thread_count))
-            if tile_count > LARGEST_RECORDED_TILE_COUNT:
+            run_count = max(sum(sheet.parts[k].run_count for sheet in divided) for k in range(thread_count))
+            if run_count > LARGEST_RECORDED_RUN_COUNT:
                 graphs = [
                     [record(partial(self._step, divided, thread), thread)] * REFRESH_INTERVAL
                     + [record(partial(self._refresh, thread_count, thread), thread)]

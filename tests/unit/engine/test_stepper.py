@@ -224,7 +224,7 @@ def test_large_sheets_record_a_step_instead_of_a_block(monkeypatch, threads):
     block = thrown_sheet(monkeypatch, threads=threads)
     block.stepper.advance(3)
     step = thrown_sheet(monkeypatch, threads=threads)
-    monkeypatch.setattr(stepper_module, "LARGEST_RECORDED_TILE_COUNT", 0)
+    monkeypatch.setattr(stepper_module, "LARGEST_RECORDED_RUN_COUNT", 0)
     launched, launch = [], wp.capture_launch
     monkeypatch.setattr(wp, "capture_launch", lambda graph: [launched.append(graph), launch(graph)])
     step.stepper.advance(3)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from scripts.benchmarks.schedule import Step, Times, step_on
-from weavesim.engine.tiling.tiles import Part, divide_step
+from weavesim.engine.tiling.tiles import Part, Tile, divide_step
 
 TIMES = Times(element=10.0, node=1.0, serial=5.0)
 
 
 def test_a_step_ends_with_its_slowest_threads():
     parts = [
-        Part(tiles=(((0, 2), (0, 1)), ((2, 2), (1, 3))), shared=((8, 1),)),  # 44, then 1
-        Part(tiles=(((4, 3), (4, 2)),), shared=((9, 2), (12, 4))),  # 32, then 6
+        Part(tiles=(Tile(((0, 2),), ((0, 1),)), Tile(((2, 2),), ((1, 3),))), shared=((8, 1),)),  # 44, then 1
+        Part(tiles=(Tile(((4, 2), (6, 1)), ((4, 2),)),), shared=((9, 2), (12, 4))),  # 32, then 6
     ]
     step = step_on(parts, TIMES, wait=0.5)
     assert step == Step(work=50.0, serial=5.0, barriers=1.5, balance=pytest.approx((45.0 + 38.0) / 2 / 50.0))
@@ -20,7 +20,7 @@ def test_a_step_ends_with_its_slowest_threads():
 
 
 def test_one_thread_does_all_and_waits_for_none():
-    alone = [Part(tiles=(((0, 7), (0, 8)),), shared=())]
+    alone = [Part(tiles=(Tile(((0, 7),), ((0, 8),)),), shared=())]
     assert step_on(alone, TIMES) == Step(work=78.0, serial=5.0, barriers=0.0, balance=1.0)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .tiles import Part
+from .tiles import Part, Tile
 
 # What waits for another thread is never overwritten.
 NEVER = np.iinfo(np.int64).max
@@ -40,10 +40,10 @@ class CornerPlaces:
         of_block = np.empty(element_nodes.shape[1] // lane_count, dtype=np.int64)
         count = tile_index = 0
         for part in parts:
-            size = max((blocks for (_, blocks), _ in part.tiles), default=0)
+            size = max((len(_blocks(tile)) for tile in part.tiles), default=0)
             free: list[int] = []
             taken: dict[int, int] = {}  # first place: last tile that reads there
-            for (first, blocks), _ in part.tiles:
+            for tile in part.tiles:
                 for place in [place for place, last in taken.items() if last < tile_index]:
                     del taken[place]
                     free.append(place)
@@ -52,18 +52,26 @@ class CornerPlaces:
                     count += size
                 place = free.pop()
                 taken[place] = last_reader[tile_index]
-                of_block[first : first + blocks] = place + np.arange(blocks)
+                blocks = _blocks(tile)
+                of_block[blocks] = place + np.arange(len(blocks))
                 tile_index += 1
         return cls(of_block, count)
+
+
+def _blocks(tile: Tile) -> np.ndarray:
+    """Blocks of elements of a tile; those of a run are consecutive."""
+    return np.concatenate([np.arange(first, first + count) for first, count in tile.elements])
 
 
 def _last_readers(element_nodes: np.ndarray, lane_count: int, parts: Sequence[Part]) -> np.ndarray:
     """For every tile, over all parts in sequence, the last one whose nodes read what it writes, or NEVER."""
     tiles = [tile for part in parts for tile in part.tiles]
-    tile_of_block = np.repeat(np.arange(len(tiles)), [blocks for (_, blocks), _ in tiles])
+    tile_of_block = np.empty(element_nodes.shape[1] // lane_count, dtype=np.int64)
     moved_by = np.full(element_nodes.max() // lane_count + 1, NEVER)
-    for index, (_, (first, blocks)) in enumerate(tiles):
-        moved_by[first : first + blocks] = index
+    for index, tile in enumerate(tiles):
+        tile_of_block[_blocks(tile)] = index
+        for first, count in tile.nodes:
+            moved_by[first : first + count] = index
     tile_of_element, result = np.repeat(tile_of_block, lane_count), np.zeros(len(tiles), dtype=np.int64)
     for nodes in element_nodes:
         np.maximum.at(result, tile_of_element, moved_by[nodes // lane_count])

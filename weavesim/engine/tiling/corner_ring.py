@@ -44,9 +44,9 @@ class CornerRing:
         return nodes
 
     def at(self, first: int) -> wp.array:
-        """[row, block] of lanes, with block ``first``, the first one of a tile, at its place.
+        """[row, block] of lanes, with block ``first``, the first one of a run, at its place.
 
-        Only the blocks of that tile lie within the memory.
+        Only the blocks of that run lie within the memory for certain.
         """
         view: Any = self._layout.view(self.records)
         shift = (int(self._of_block[first]) - first) * view.strides[1]

@@ -8,6 +8,8 @@ import numpy as np
 
 # Number of elements whose forces stay in a core's L2 cache until their nodes have moved.
 TILE_SIZE = 1024
+# Runs of a tile in the mean, of elements and of nodes; each is a launch.
+LARGEST_RUN_COUNT = 8
 
 
 def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
@@ -16,17 +18,34 @@ def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
     return [(int(a), int(b - a)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
 
+# (first, count) of consecutive blocks: one launch.
+Run = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Blocks of elements, and those of the nodes that can move after them."""
+
+    elements: tuple[Run, ...]
+    nodes: tuple[Run, ...]
+
+
 @dataclass(frozen=True)
 class Part:
-    """What one thread does in a step; ranges of blocks of lanes as (first, count).
+    """What one thread does in a step.
 
     Attributes:
-        tiles: elements, then the nodes that can move after them.
-        shared: nodes that can move once the elements of all threads are done.
+        tiles: one after the other.
+        shared: blocks of nodes that can move once the elements of all threads are done.
     """
 
-    tiles: tuple[tuple[tuple[int, int], tuple[int, int]], ...]
-    shared: tuple[tuple[int, int], ...]
+    tiles: tuple[Tile, ...]
+    shared: tuple[Run, ...]
+
+    @property
+    def run_count(self) -> int:
+        """Of its tiles."""
+        return sum(len(tile.elements) + len(tile.nodes) for tile in self.tiles)
 
 
 def divide_step(
@@ -34,8 +53,10 @@ def divide_step(
 ) -> list[Part]:
     """Distribute the elements to threads and divide them into tiles.
 
-    A node can move as soon as all of its elements are done, and it is fastest while their forces are in the cache. With
-    elements numbered row by row nearly all nodes can do so; with random numbering all of them have to wait.
+    A node can move as soon as all of its elements are done, and it is fastest while their forces are in the cache.
+    Elements go in the order of the nodes that they touch, so that those along a border, which a mesh may have behind
+    all others, are done together with their neighbours; nearly all nodes can then move with a tile. In a mesh in no
+    order such tiles would be of many runs: its elements go in their own order, and all nodes wait.
 
     Args:
         element_nodes: (4, padded element count) corner nodes.
@@ -44,41 +65,61 @@ def divide_step(
         tile_size: elements of a tile.
         window: blocks of elements that stay together, from the first block on.
     """
-    block_of_element = np.arange(element_nodes.shape[1]) // lane_count
-    block_count, node_block_count = block_of_element[-1] + 1, element_nodes.max() // lane_count + 1
+    in_order = _divided(element_nodes, lane_count, thread_count, tile_size, window, by_nodes=True)
+    tile_count = sum(len(part.tiles) for part in in_order)
+    if sum(part.run_count for part in in_order) <= LARGEST_RUN_COUNT * tile_count:
+        return in_order
+    return _divided(element_nodes, lane_count, thread_count, tile_size, window, by_nodes=False)
+
+
+def _divided(
+    element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int, window: int, by_nodes: bool
+) -> list[Part]:
+    block_count, node_block_count = element_nodes.shape[1] // lane_count, element_nodes.max() // lane_count + 1
+    order = _order(element_nodes, lane_count * window, window) if by_nodes else np.arange(block_count)
+    turn = np.empty(block_count, dtype=np.int64)
+    turn[order] = np.arange(block_count)
+    turn_of_element = np.repeat(turn, lane_count)
     first = np.full(node_block_count, block_count)
     last = np.zeros(node_block_count, dtype=first.dtype)
     for nodes in element_nodes:
-        np.minimum.at(first, nodes // lane_count, block_of_element)
-        np.maximum.at(last, nodes // lane_count, block_of_element)
-    # node blocks stay in order: each waits for those before it too
-    last = np.maximum.accumulate(last)
-    first = np.minimum.accumulate(first[::-1])[::-1]
+        np.minimum.at(first, nodes // lane_count, turn_of_element)
+        np.maximum.at(last, nodes // lane_count, turn_of_element)
+    if not by_nodes:
+        # node blocks stay in order: each waits for those before it too
+        last = np.maximum.accumulate(last)
+        first = np.minimum.accumulate(first[::-1])[::-1]
     tile_block_count = max(tile_size // (lane_count * window), 1) * window
-    tiles: list[list[tuple[tuple[int, int], tuple[int, int]]]] = []
-    shared: list[np.ndarray] = []
-    moved = 0
-    windows = chunks(-(-block_count // window), thread_count)
-    for start, count in ((window * a, min(window * n, block_count - window * a)) for a, n in windows):
-        own = max(moved, int(np.searchsorted(first, start)))
-        end = max(own, int(np.searchsorted(last, start + count)))
-        own = min(own, end)
-        shared.append(np.arange(moved, own))
-        moved, done, part = own, start, []
-        while done < start + count:
-            tile = min(tile_block_count, start + count - done)
-            ready = max(moved, int(np.searchsorted(last, done + tile)))
-            part.append(((done, tile), (moved, ready - moved)))
-            moved, done = ready, done + tile
-        tiles.append(part)
-    waiting = np.concatenate(shared)
+    tiles: list[list[Tile]] = []
+    waiting = np.ones(node_block_count, dtype=bool)
+    for start, count in chunks(-(-block_count // window), thread_count):
+        start, end = window * start, min(window * (start + count), block_count)
+        own = (first >= start) & (last < end)
+        waiting &= ~own
+        tiles.append([])
+        for done in range(start, end, tile_block_count):
+            after = min(done + tile_block_count, end)
+            ready = np.flatnonzero(own & (last >= done) & (last < after))
+            tiles[-1].append(Tile(_runs(np.sort(order[done:after])), _runs(ready)))
+    shared = np.flatnonzero(waiting)
     return [
-        Part(tuple(part), tuple(_runs(waiting[a : a + n])))
-        for part, (a, n) in zip(tiles, chunks(len(waiting), thread_count), strict=True)
+        Part(tuple(part), _runs(shared[a : a + n]))
+        for part, (a, n) in zip(tiles, chunks(len(shared), thread_count), strict=True)
     ]
 
 
-def _runs(numbers: np.ndarray) -> list[tuple[int, int]]:
+def _order(element_nodes: np.ndarray, window_size: int, window: int) -> np.ndarray:
+    """Blocks of elements, windows of them in ascending order of the first node that they touch."""
+    lowest = element_nodes.min(axis=0)
+    of_windows = np.minimum.reduceat(lowest, np.arange(0, len(lowest), window_size))
+    block_count = len(lowest) * window // window_size
+    if block_count % window:  # one that is shorter stays last, so that all others begin at multiples of their size
+        of_windows[-1] = np.iinfo(of_windows.dtype).max
+    blocks = window * np.argsort(of_windows, kind="stable")[:, None] + np.arange(window)
+    return blocks[blocks < block_count]
+
+
+def _runs(numbers: np.ndarray) -> tuple[Run, ...]:
     """Ascending numbers as (first, count) of consecutive runs."""
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
-    return [(int(run[0]), len(run)) for run in runs if len(run)]
+    return tuple((int(run[0]), len(run)) for run in runs if len(run))

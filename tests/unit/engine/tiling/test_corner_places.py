@@ -31,9 +31,12 @@ def step_through(element_nodes: np.ndarray, parts, places: CornerPlaces) -> None
             assert np.array_equal(content[places.of_block[readers[block]]], readers[block])
 
     for part in parts:
-        for (first, count), nodes in part.tiles:
-            content[places.of_block[first : first + count]] = np.arange(first, first + count)
-            check(nodes)
+        for tile in part.tiles:
+            for first, count in tile.elements:
+                content[places.of_block[first : first + count]] = np.arange(first, first + count)
+                assert (np.diff(places.of_block[first : first + count]) == 1).all()
+            for nodes in tile.nodes:
+                check(nodes)
     for part in parts:
         for nodes in part.shared:
             check(nodes)
@@ -60,7 +63,10 @@ def test_nodes_find_what_their_elements_wrote(width, height, thread_count, windo
     places = CornerPlaces.of(element_nodes, LANES, parts)
     step_through(element_nodes, parts, places)
     # threads run side by side: none may write where another one's nodes read
-    own = [{int(places.of_block[b]) for (first, n), _ in part.tiles for b in range(first, first + n)} for part in parts]
+    own = [
+        {int(places.of_block[b]) for tile in part.tiles for first, n in tile.elements for b in range(first, first + n)}
+        for part in parts
+    ]
     assert sum(map(len, own)) == len(set().union(*own))
     assert places.of_block.min() == 0 and places.of_block.max() < places.count
 

@@ -37,7 +37,7 @@ def test_a_tile_lies_at_its_place(sheet, ring):
     parts = divide_step(sheet.element_nodes, LANES, 1, 64)
     places = CornerPlaces.of(sheet.element_nodes, LANES, parts)
     whole = sheet.corners.view(ring.records)
-    for (first, count), _ in parts[0].tiles:
+    for first, count in (run for tile in parts[0].tiles for run in tile.elements):
         view = ring.at(first)
         assert view.strides == whole.strides and view.dtype == whole.dtype
         for block in range(first, first + count):

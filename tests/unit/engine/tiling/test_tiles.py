@@ -27,7 +27,7 @@ def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled, wind
     element_nodes = corners // LANES
     parts = divide_step(corners, LANES, thread_count, 256, window)
     assert len(parts) == thread_count
-    assert all(first % window == 0 for part in parts for (first, _), _ in part.tiles)
+    assert all(first % window == 0 for part in parts for tile in part.tiles for first, _ in tile.elements)
     done = np.zeros((thread_count, corners.shape[1] // LANES), dtype=int)
     moved = np.zeros(element_nodes.max() + 1, dtype=int)
 
@@ -38,10 +38,12 @@ def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled, wind
         moved[blocks] += 1
 
     for own, part in zip(done, parts, strict=True):
-        for (first, count), nodes in part.tiles:
-            own[first : first + count] += 1
+        for tile in part.tiles:
+            for first, count in tile.elements:
+                own[first : first + count] += 1
             # other threads may not have begun
-            check(nodes, own)
+            for nodes in tile.nodes:
+                check(nodes, own)
     for part in parts:
         for nodes in part.shared:
             check(nodes, done.sum(axis=0))
@@ -52,3 +54,21 @@ def test_no_node_moves_before_its_elements_are_done(thread_count, shuffled, wind
     elif thread_count < 4:
         # one row of nodes between two threads; without an order all have to wait
         assert waiting == len(moved) if shuffled else waiting <= 4 * (thread_count - 1)
+
+
+def test_elements_along_the_border_are_done_with_their_neighbours():
+    """A fitted mesh has them behind all others: still few nodes wait for more than one tile, in few runs."""
+    blank = Blank.disc(0.2, 0.004)
+    (part,) = divide_step(padded_corners(blank.quads, blank.node_count), LANES, 1, 1024)
+    moved = [sum(count for _, count in tile.nodes) for tile in part.tiles]
+    assert len(moved) > 7 and sum(moved) == -(-(blank.node_count + 4) // LANES)
+    assert max(moved) < 2.0 * 1024 / LANES
+    assert part.run_count < 6 * len(part.tiles)
+
+
+def test_elements_in_no_order_keep_their_own():
+    blank = Blank.rectangle((0.0, 0.0), (1.0, 1.0), 1.0 / 60.0)
+    quads = np.random.default_rng(0).permutation(blank.quads)
+    (part,) = divide_step(padded_corners(quads, blank.node_count), LANES, 1, 256)
+    assert [tile.elements for tile in part.tiles] == [((16 * k, 16),) for k in range(14)] + [((224, 2),)]
+    assert sum(len(tile.nodes) for tile in part.tiles) <= 2

@@ -10,6 +10,7 @@
     python scripts/benchmark.py answer      time from the command to an answer within a tolerance of the converged one
     python scripts/benchmark.py bounds      memory bandwidth and multiply-add rate of this machine
     python scripts/benchmark.py schedule    a step on up to 64 threads, predicted from its plan
+    python scripts/benchmark.py instructions     machine instructions of the kernels of a step on a CPU
     python scripts/benchmark.py cuda        registers and stack of every kernel on CUDA devices, without one
     python scripts/benchmark.py against ../weavesim-before     this checkout compared with another one
     python scripts/benchmark.py peers       Newton's cloth solvers on the same drape (scripts/peers)
@@ -29,6 +30,7 @@ from scripts.benchmarks.against import against  # noqa: E402
 from scripts.benchmarks.answer import answer  # noqa: E402
 from scripts.benchmarks.batch import batch  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
+from scripts.benchmarks.compilation.instructions import instructions  # noqa: E402
 from scripts.benchmarks.compilation.times import compiling  # noqa: E402
 from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
 from scripts.benchmarks.laws import cells, laws  # noqa: E402
@@ -53,6 +55,7 @@ for command in (
     against,
     peers,
     bounds,
+    instructions,
     cuda,
     schedule,
 ):

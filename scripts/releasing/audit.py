@@ -34,6 +34,7 @@ READ: dict[str, str] = {
     "usd-core": "TOST 1.0: the Apache License 2.0 with another clause on trademarks",
     "docutils": "public domain and BSD; the one file under GPL is a mode for an editor, which is not imported",
     "bpy": "GPL: Blender, an extra of the tests that look at a film in it; weavesim never imports it",
+    "pyelftools": "public domain; tests read compiled kernels with it",
     "nvidia-cuda-cuobjdump": "NVIDIA's own: a tool that tests start, never part of what is installed by default",
     "nvidia-cuda-nvdisasm": "NVIDIA's own: a tool that tests start, never part of what is installed by default",
 }

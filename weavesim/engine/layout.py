@@ -116,11 +116,16 @@ class RowLayout:
             return self.length, 1
         return self.lane_count, self.row_count * self.lane_count
 
-    def view(self, entries: wp.array) -> wp.array:
-        """The flat array as [row, block] of lanes, on the same memory; with lanes, records are no rows of it."""
+    def view(self, entries: wp.array, shift: int = 0) -> wp.array:
+        """The flat array as [row, block] of lanes, on the same memory; with lanes, records are no rows of it.
+
+        Args:
+            entries: flat.
+            shift: blocks by which all lie further on; those that are not in the memory then must not be used.
+        """
         size = np.dtype(wp.dtype_to_numpy(entries.dtype)).itemsize
         view: Any = wp.array(
-            ptr=entries.ptr,
+            ptr=entries.ptr + size * shift * self._strides[1],
             dtype=wp.types.vector(self.lane_count, entries.dtype),
             shape=(self.row_count, self.length // self.lane_count),
             strides=tuple(size * stride for stride in self._strides),

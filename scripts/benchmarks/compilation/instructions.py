@@ -63,12 +63,13 @@ def step_kernels(precision: str) -> dict[str, wp.Kernel]:
     """Kernels of the forces, the nodes and the stable step of the default double dome in sixteen lanes, by name."""
     from weavesim import Simulation
     from weavesim.app.command_line import default_setups
+    from weavesim.engine.launches import SheetKernels
     from weavesim.engine.setup import Solver
     from weavesim.kernels.lanes import CPU_LANE_COUNT
 
     (setup,) = default_setups(["double-dome"], precision=precision)
     solver = Solver(precision=precision, device="cpu", lane_count=CPU_LANE_COUNT, threads=1)
-    kernels = Simulation(setup.model_copy(update={"solver": solver})).stepper._launches.sheet_kernels[0]
+    kernels = SheetKernels.of(Simulation(setup.model_copy(update={"solver": solver})).model.sheet)
     return {"forces": kernels.forces, "nodes": kernels.nodes, "stable step": kernels.frequencies}
 
 

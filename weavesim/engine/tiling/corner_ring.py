@@ -48,15 +48,4 @@ class CornerRing:
 
         Only the blocks of that run lie within the memory for certain.
         """
-        view: Any = self._layout.view(self.records)
-        shift = (int(self._of_block[first]) - first) * view.strides[1]
-        moved: Any = wp.array(
-            ptr=view.ptr + shift,
-            dtype=view.dtype,
-            shape=view.shape,
-            strides=view.strides,
-            device=view.device,
-            capacity=view.capacity,
-        )
-        moved._owner = self.records
-        return moved
+        return self._layout.view(self.records, int(self._of_block[first]) - first)

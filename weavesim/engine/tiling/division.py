@@ -15,9 +15,11 @@ LARGEST_SHARE = 0.5
 
 @dataclass(frozen=True)
 class Division:
-    """Attributes:
-    parts: what each thread does.
-    ring: where its elements put their corner records; None for the arrays of the state.
+    """What each thread does, and where elements put their corner records.
+
+    Attributes:
+        parts: one for each thread.
+        ring: of corner records; None for the arrays of the state.
     """
 
     parts: list[Part]

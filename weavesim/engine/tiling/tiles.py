@@ -44,8 +44,8 @@ class Part:
 
     @property
     def run_count(self) -> int:
-        """Of its tiles."""
-        return sum(len(tile.elements) + len(tile.nodes) for tile in self.tiles)
+        """Of all tiles and of the shared nodes."""
+        return sum(len(tile.elements) + len(tile.nodes) for tile in self.tiles) + len(self.shared)
 
 
 def divide_step(

@@ -16,6 +16,8 @@ from .yarn import ELONGATION, MOMENT, STIFFNESS, yarn_expansion, yarn_forces, ya
 
 # Row of w_1 + w_2 in a step.
 CLOSING = wp.constant(2)
+# Steps that end where a yarn becomes taut: one for each yarn. Where rounding hides the kink, more would never arrive.
+KINKS_MINDED = wp.constant(2)
 
 
 @wp.func
@@ -103,12 +105,22 @@ def pair_expansion(cell: Any, state1: Any, state2: Any):
 
 
 @wp.func
+def follow_strains(own: Any, stiffness: Any, inverse: Any, uw: Any):
+    """Derivatives of w_1 and w_2 by u_1 and u_2 in equilibrium, -H^-1 Pi_wu: w_1 by both, w_2 by both."""
+    warp = uw[0] * inverse
+    weft = uw[1] * inverse
+    return wp.matrix_from_rows(
+        -((own[1] + stiffness) * warp), stiffness * weft, stiffness * warp, -((own[0] + stiffness) * weft)
+    )
+
+
+@wp.func
 def third_order(cell: Any, state1: Any, state2: Any, own: Any, stiffness: Any, inverse: Any, newton: Any):
-    """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, and the derivatives uw, uww."""
+    """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, the derivatives uw, uww, and dw/du."""
     half = inverse.dtype(0.5)
     uw, uww, www = pair_expansion(cell, state1, state2)
     bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
-    return yielding(own, stiffness, inverse, bent, bent), uw, uww
+    return yielding(own, stiffness, inverse, bent, bent), uw, uww, follow_strains(own, stiffness, inverse, uw)
 
 
 @wp.func
@@ -121,13 +133,13 @@ def twice_squared_ratio(newton: Any, extra: Any):
 
 @wp.func
 def pair_remainder(cell: Any, state1: Any, state2: Any, closing: Any, closed: Any, step: Any):
-    """``yarn_remainder`` of both: change of dPi/dw in a step beyond the third derivatives, and change of the sizes."""
-    beyond1, change1 = yarn_remainder(cell, 0, state1, step[0])
-    beyond2, change2 = yarn_remainder(cell, 1, state2, step[1])
+    """``yarn_remainder`` of both: change of dPi/dw beyond the third derivatives, change of sizes, elongations after."""
+    beyond1, change1, stretched1 = yarn_remainder(cell, 0, state1, step[0])
+    beyond2, change2, stretched2 = yarn_remainder(cell, 1, state2, step[1])
     beyond = beyond1 + beyond2
     if cell.unilateral == 1:
         beyond = beyond + cell.contact_stiffness * larger(where_positive(closing, -closed, closed), fill(closing, 0.0))
-    return beyond, wp.matrix_from_rows(change1, change2)
+    return beyond, wp.matrix_from_rows(change1, change2), wp.matrix_from_rows(stretched1, stretched2)
 
 
 @wp.func
@@ -141,6 +153,40 @@ def last_step(w: Any, step: Any, better: Any, by_u: Any, uw: Any, uww: Any):
         heights[k] = w[k] + taken
         force[k] = by_u[k] + (uw[k] + half * uww[k] * taken) * taken
     return heights, force
+
+
+@wp.func
+def until_taut(cell: Any, k: int, elongation: Any, stretched: Any, curvature: Any):
+    """Share of a step after which its slope is zero if yarn k becomes taut on the way; 1 if it does not.
+
+    The energy along the step is two parabolas, of ``curvature`` and that of the taut yarn in addition.
+    """
+    one = fill(elongation, 1.0)
+    least = fill(elongation, 1.0e-37)
+    stretch = larger(stretched - elongation, least)
+    jump = wp.max(cell.tensile_stiffness[k] - cell.compressive_stiffness[k], elongation.dtype(0.0))
+    slack = -(elongation / stretch)
+    beyond = curvature / larger(curvature + jump * stretch * stretch, least)
+    share = where_positive(stretched, slack + (one - slack) * beyond, one)
+    return where_positive(elongation, one, share)
+
+
+@wp.func
+def short_of_kinks(
+    cell: Any, iteration: int, state1: Any, state2: Any, stretched: Any, own: Any, stiffness: Any, newton: Any
+):
+    """Newton's step; one of the first, if a slack yarn becomes taut in it, as far as is best for both stiffnesses.
+
+    Only where other lanes wait: on a GPU it would take 20 registers more.
+    """
+    step = newton
+    if iteration < KINKS_MINDED and len(newton[0]) > 1:
+        closing = newton[CLOSING]
+        curvature = own[0] * newton[0] * newton[0] + own[1] * newton[1] * newton[1] + stiffness * closing * closing
+        share = until_taut(cell, 0, state1[ELONGATION], stretched[0], curvature)
+        share = smaller(share, until_taut(cell, 1, state2[ELONGATION], stretched[1], curvature))
+        step = wp.matrix_from_rows(share * newton[0], share * newton[1], share * closing)
+    return step
 
 
 @wp.func
@@ -209,10 +255,12 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     before the last step, not in the extrapolated forces.
 
     Safeguards, all per lane: where the Hessian is not positive definite its geometric part is dropped; a step is at
-    most a quarter of the chord; a step that overshoots (the directional derivative changes sign and keeps more than
-    half its size) is partly undone, by a Newton step along it, so that the point stays between two known slopes.
+    most a quarter of the chord; one of the first two ends where a slack yarn becomes taut; a step that overshoots (the
+    directional derivative changes sign and keeps more than half its size) is partly undone, by a Newton step along it,
+    so that the point stays between two known slopes. A NaN compares false and is caught by the caller; it must not
+    stall the other lanes.
 
-    Returns w, dPi/du, crossover force of the half cell, 2 Pi, relative residual, iterations.
+    Returns w, dPi/du, crossover force of the half cell, 2 Pi, relative residual, iterations, and dw/du.
     """
     w = start
     zero = fill(u1, 0.0)
@@ -234,15 +282,14 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         unbalanced = larger(magnitude(by_w[0] + pressure), magnitude(by_w[1] + pressure))
         residual = unbalanced * inverse_size
         newton = yielding(own, stiffness, inverse, by_w, wp.matrix_from_rows(by_w[0] + pressure, by_w[1] + pressure))
-        extra, uw, uww = third_order(cell, state1, state2, own, stiffness, inverse, newton)
+        extra, uw, uww, slopes = third_order(cell, state1, state2, own, stiffness, inverse, newton)
         closed = settled_closing(own, inverse, by_w, closing) + extra[CLOSING]
         # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives
-        beyond, changes = pair_remainder(cell, state1, state2, closing, closed, newton + extra)
+        beyond, changes, stretched = pair_remainder(cell, state1, state2, closing, closed, newton + extra)
         size = smaller(size, residual_size(cell, sizes + changes, stiffness * closed))
         remainder = (unbalanced * twice_squared_ratio(newton, extra) + beyond) / size
         better = where_positive(definite, residual - remainder, zero)
         remainder = where_positive(better, remainder, residual)
-        # a NaN compares false and is caught by the caller; it must not stall the other lanes
         unfinished = where_positive(remainder - fill(u1, cell.tolerance), fill(u1, 1.0), zero)
         if iteration == MAXIMUM_ITERATIONS or lane_maximum(unfinished) == u1.dtype(0.0):
             energy = energy_after(cell, state1, state2, by_w, pressure, closing, newton, extra)
@@ -251,6 +298,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
             residual = remainder
             break
         iterations = iterations + unfinished
+        newton = short_of_kinks(cell, iteration, state1, state2, stretched, own, stiffness, newton)
         change, step, slope = safeguarded(cell, by_w, pressure, own, stiffness, newton, step, slope)
         w, closing = advanced(w, closing, unfinished, change)
-    return w, force, crossover, energy, residual, iterations
+    return w, force, crossover, energy, residual, iterations, slopes

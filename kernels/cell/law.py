@@ -15,8 +15,8 @@ MAXIMUM_ITERATIONS = 40
 
 
 @cache
-def cell_answer_struct(real: type, lane_count: int, row_count: int):
-    """Response of a unit cell; ``row_count`` is that of its ``CellLaw``."""
+def cell_answer_struct(real: type, lane_count: int, row_count: int, follows: bool = False):
+    """Response of a unit cell; ``row_count`` is that of its ``CellLaw``, ``follows`` whether it has ``follow``."""
     lanes = lane_types(real, lane_count).lanes
 
     @wp.struct
@@ -29,6 +29,8 @@ def cell_answer_struct(real: type, lane_count: int, row_count: int):
         residual: lanes  # relative
         iterations: lanes
         unknowns: wp.types.matrix((row_count, lane_count), real)
+        if follows:
+            slopes: wp.types.matrix((4, lane_count), real)  # of both unknowns by both stretches
 
     return CellAnswer
 
@@ -76,6 +78,8 @@ class CellLaw:
         tangent: (..., q, an empty ``Tangent``) -> ``Tangent`` at equilibrium, without n_1, n_2, m and the pressure.
         stable_tangent: (..., q, state, an empty ``Tangent``) -> ``Tangent`` with the yarns in tension, as soon as the
             cell is pulled. There are several states where one is not enough.
+        follow: (struct, changes of both stretches since the last answer, its ``slopes``, its q) -> q to start from, for
+            several lanes; None for a cell that starts from the last q.
         snap_loss: (..., start q, q) -> energy released by a jump to another equilibrium [J/m^2], 0 without a jump.
     """
 
@@ -91,6 +95,7 @@ class CellLaw:
     tangent: Any
     stable_tangent: Any
     snap_loss: Any
+    follow: Any = None
     constants: Callable[[Mapping[str, float]], list[float]] | None = None
 
     @property

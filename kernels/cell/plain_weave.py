@@ -14,7 +14,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
+from ..lanes import fill, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .heights import contact_stiffness, regular_parts, rounded_closing, settled_closing, solve_unit_cell
 from .law import CellLaw
@@ -135,7 +135,9 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
     """Height changes, n_1, n_2, pressure, energy, residual, iterations."""
     u1 = cell.half_spacing[0] * strain1
     u2 = cell.half_spacing[1] * strain2
-    w, force, crossover, energy, residual, iterations = solve_unit_cell(cell, u1, u2, cell.per_length_unit * start)
+    w, force, crossover, energy, residual, iterations, slopes = solve_unit_cell(
+        cell, u1, u2, cell.per_length_unit * start
+    )
     return (
         cell.length_unit * w,
         cell.per_width[0] * force[0],
@@ -144,13 +146,30 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
         (u1.dtype(0.5) * energy_unit(cell)) * energy,
         residual,
         iterations,
+        slopes,
     )
 
 
 @wp.func
 def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
-    w, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, start)
-    return type(answer)(n1, n2, fill(n1, 0.0), pressure, energy, residual, iterations, w)
+    w, n1, n2, pressure, energy, residual, iterations, slopes = equilibrium(cell, strain1, strain2, start)
+    return type(answer)(n1, n2, fill(n1, 0.0), pressure, energy, residual, iterations, w, slopes)
+
+
+@wp.func
+def follow(cell: Any, change1: Any, change2: Any, slopes: Any, last: Any):
+    """Heights to start from: those of the last step follow the strains, if they do not change as much as in a snap."""
+    limit = fill(change1, change1.dtype(SNAP_SHARE) * cell.length_unit * (cell.crimp_height[0] + cell.crimp_height[1]))
+    u1 = (cell.length_unit * cell.half_spacing[0]) * change1
+    u2 = (cell.length_unit * cell.half_spacing[1]) * change2
+    moved1 = slopes[0] * u1 + slopes[1] * u2
+    moved2 = slopes[2] * u1 + slopes[3] * u2
+    # not a number compares false
+    near = smaller(limit - magnitude(moved1), limit - magnitude(moved2))
+    zero = fill(change1, 0.0)
+    return wp.matrix_from_rows(
+        last[0] + where_positive(near, moved1, zero), last[1] + where_positive(near, moved2, zero)
+    )
 
 
 @wp.func
@@ -183,7 +202,7 @@ def tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
 
 @wp.func
 def stable_tangent(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
-    solution, n1, n2, pressure, energy, residual, iterations = equilibrium(cell, strain1, strain2, q)
+    solution, n1, n2, pressure, energy, residual, iterations, slopes = equilibrium(cell, strain1, strain2, q)
     k11, k12, k22 = condensed_tangent(
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, cell.per_length_unit * solution, True
     )
@@ -232,5 +251,6 @@ PLAIN_WEAVE = CellLaw(
     energies=energies,
     tangent=tangent,
     stable_tangent=stable_tangent,
+    follow=follow,
     snap_loss=snap_loss,
 )

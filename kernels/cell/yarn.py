@@ -93,7 +93,7 @@ def yarn_expansion(cell: Any, k: int, state: Any):
 
 @wp.func
 def yarn_remainder(cell: Any, k: int, state: Any, step: Any):
-    """Change of dPi/dw of yarn k in a step of w beyond the third derivative, and change of the size of its terms.
+    """Change of dPi/dw of yarn k in a step of w beyond the third derivative, of the size of its terms; elongation.
 
     This includes d4Pi/dw4, and the change of stiffness when the yarn switches between tension and compression.
     """
@@ -113,7 +113,7 @@ def yarn_remainder(cell: Any, k: int, state: Any, step: Any):
     turning = inverse_length * cosine
     before = magnitude(axial * elongation) + magnitude(turning * moment)
     after = magnitude(axial * stretched) + magnitude(turning * (moment + cell.rotation_stiffness[k] * bend))
-    return beyond, after - before
+    return beyond, after - before, stretched
 
 
 @wp.func

@@ -7,7 +7,7 @@ import warp as wp
 
 from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
-from ..lanes import fill, inverses, lane_maximum, larger, where_positive
+from ..lanes import GPU_LANE_COUNT, fill, inverses, lane_maximum, larger, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow
@@ -33,6 +33,17 @@ def unknowns_function(real: type, lane_count: int, cell: CellLaw):
     return read_unknowns
 
 
+@wp.func
+def last_slopes(report: Any, block: int):
+    """Derivatives of the unknowns by the strains, as the cell told them at the last step."""
+    return wp.matrix_from_rows(
+        report[CellReportRow.first_by_warp, block],
+        report[CellReportRow.first_by_weft, block],
+        report[CellReportRow.second_by_warp, block],
+        report[CellReportRow.second_by_weft, block],
+    )
+
+
 @cache
 def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
     """Function for the response of a block's unit cells; it stores their unknowns and reports.
@@ -40,16 +51,28 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
     Warp emits functions that use gradients after all others, and a lane-by-lane ``energy_cell`` consists of such
     functions: its callers must look like them, also those in energy.py and frequency.py.
     """
-    CellAnswer = cell_answer_struct(real, lane_count, cell.row_count)
+    CellAnswer = cell_answer_struct(real, lane_count, cell.row_count, cell.follow is not None)
     read_unknowns = unknowns_function(real, lane_count, cell)
     unknown_count, solve, snap_loss, late = cell.unknown_count, cell.solve, cell.snap_loss, cell.lane_by_lane
+    # a GPU waits for bytes sooner than for evaluations: not tried there
+    follow, follows = cell.follow, cell.follow is not None and lane_count > GPU_LANE_COUNT
 
     @wp.func
     def answer_cell(cell: Any, block: int, m: Any, cell_unknowns: Any, cell_report: Any):
         if wp.static(late):
             _late = wp.grad(emitted_late)(wp.float64(0.0))
         start = read_unknowns(cell_unknowns, block)
-        answer = solve(cell, m.strain1, m.strain2, m.angle, start, CellAnswer())
+        if wp.static(follows):
+            change1 = m.strain1 - cell_report[CellReportRow.warp_strain, block]
+            change2 = m.strain2 - cell_report[CellReportRow.weft_strain, block]
+            near = follow(cell, change1, change2, last_slopes(cell_report, block), start)
+            answer = solve(cell, m.strain1, m.strain2, m.angle, near, CellAnswer())
+            cell_report[CellReportRow.first_by_warp, block] = answer.slopes[0]
+            cell_report[CellReportRow.first_by_weft, block] = answer.slopes[1]
+            cell_report[CellReportRow.second_by_warp, block] = answer.slopes[2]
+            cell_report[CellReportRow.second_by_weft, block] = answer.slopes[3]
+        else:
+            answer = solve(cell, m.strain1, m.strain2, m.angle, start, CellAnswer())
         unknowns = answer.unknowns
         for k in range(unknown_count):
             cell_unknowns[k, block] = unknowns[k]

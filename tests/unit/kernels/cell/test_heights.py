@@ -1,9 +1,15 @@
 """Heights of the plain weave: a stiff contact leaves no difference of rounded heights in its force."""
 
+import numpy as np
 import pytest
 
+from tests.support.runs import small_run
 from weavesim.fabric.cell.weaves import PlainWeave
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.response import respond
+from weavesim.kernels.rows import CellReportRow
+from weavesim.process.dynamics import Dynamics
+from weavesim.run.simulation import Simulation
 
 
 @pytest.mark.parametrize("contact", ["bilateral", "unilateral"])
@@ -24,3 +30,49 @@ def test_heights_are_of_opposite_sign_in_a_stiff_contact():
     cell = PlainWeave.glass_polypropylene(contact_stiffness_value=1e12)
     warp, weft = respond(cell, [[1.001, 1.0]], precision="float32").unknowns[0]
     assert warp < 0.0 and weft == pytest.approx(-warp, rel=1e-6)
+
+
+def thrown(speed: float) -> Simulation:
+    """A small sheet of sixteen elements in one block, whose yarns alternate between slack and taut."""
+    velocity = np.random.default_rng(3).normal(scale=speed, size=(25, 3))
+    return small_run(
+        lane_count=16, duration=1.0, initial_velocity=velocity, dynamics=Dynamics(gravity=(0.0, 0.0, 0.0))
+    )  # fmt: skip
+
+
+def report_of(simulation: Simulation, *names: str) -> np.ndarray:
+    """Rows of the report of the sixteen cells."""
+    report = simulation.state.sheet.cell_report.numpy()
+    return np.stack([report[CellReportRow[name], :16] for name in names])
+
+
+def test_the_next_start_follows_the_strains():
+    """What a step leaves for the next start is the derivative of the heights in equilibrium by the strains."""
+    simulation, cell, small = thrown(1.0), glass_polypropylene().unit_cell, 1e-9
+    simulation.stepper.advance(5)
+    strain = report_of(simulation, "warp_strain", "weft_strain").T
+    slopes = report_of(simulation, "first_by_warp", "first_by_weft", "second_by_warp", "second_by_weft")
+    unknowns = simulation.state.sheet.cell_unknowns.numpy()[:, :16].T
+    for column in range(2):
+        change = small * np.eye(2)[column]
+        ends = [
+            respond(cell, 1.0 + strain + sign * change, increment_count=1, start=unknowns).unknowns
+            for sign in (1.0, -1.0)
+        ]
+        exact = (ends[0] - ends[1]) / (2.0 * small * cell.half_spacing[column])
+        # told before the last step, which is small
+        np.testing.assert_allclose(slopes[[column, 2 + column]].T, exact, rtol=1e-3, atol=1e-3)
+    assert np.abs(slopes).max() > 1.0
+
+
+def test_yarns_that_become_taut_need_few_evaluations():
+    """The step ends at the kink; beyond it, with the stiffness of slack yarns, four more were needed to come back."""
+    simulation = thrown(1.0)
+    worst, taut = [], []
+    for _ in range(40):
+        simulation.stepper.advance(1)
+        worst.append(report_of(simulation, "iterations").max())
+        taut.append(report_of(simulation, "warp_impulse", "weft_impulse") > 0.0)
+    assert 0.1 < np.mean(taut) < 0.9
+    assert max(worst) <= 2.0
+    assert report_of(simulation, "worst_residual").max() <= 1e-11

@@ -12,6 +12,7 @@ exact in single precision write ``fill(x, x.dtype(4.4))``. Only a kernel, which 
 """
 
 import platform
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -79,20 +80,25 @@ def step_options(real: type, inlined: bool = False) -> dict[str, Any]:
     return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
 
 
-# --- operators --------------------------------------------------------------------------------------------------------
+# --- lanes as vectors of C++ ------------------------------------------------------------------------------------------
 
 
-def _by_rows(types: LaneTypes, row_count: int, expression: str, read: str = "ab") -> str:
-    """C++ of an expression of a and b, for each row of the result; arguments in ``read`` have rows too.
+def _in_rows(types: LaneTypes, *rows: str) -> str:
+    """C++ of a value with a row for each expression; ``a0`` is the first row of an argument a, ``b2`` the third of b.
 
     A row is one vector of C++. Warp's own loops over lanes are taken apart into thousands of single numbers, and the
     compiler looks for each of them through all code behind a branch: that took most of the time to compile.
     """
     count, scalar = types.lane_count, f"wp::{types.real.__name__}"
-    kind = f"wp::vec_t<{count}, {scalar}>" if row_count == 1 else f"wp::mat_t<{row_count}, {count}, {scalar}>"
-    rows = "".join(
-        f"Row row_{name}; memcpy(&row_{name}, reinterpret_cast<const char *>(&{name}) + at, sizeof(Row));\n            "
-        for name in read
+    kind = f"wp::vec_t<{count}, {scalar}>" if len(rows) == 1 else f"wp::mat_t<{len(rows)}, {count}, {scalar}>"
+    place = f"<{{}} *>(&{{}}) + {{}} * sizeof({scalar}) * {count} + at"
+    read = "".join(
+        f"Row {name}; memcpy(&{name}, reinterpret_cast{place.format('const char', *name)}, sizeof(Row));\n            "
+        for name in sorted({name for row in rows for name in re.findall(r"\b[a-f]\d\b", row)})
+    )
+    write = "".join(
+        f"row = {row}; memcpy(reinterpret_cast{place.format('char', 'result', k)}, &row, sizeof(Row));\n            "
+        for k, row in enumerate(rows)
     )
     return f"""
 #if defined(__CUDACC__)
@@ -101,16 +107,29 @@ def _by_rows(types: LaneTypes, row_count: int, expression: str, read: str = "ab"
         using Row = {scalar} __attribute__((ext_vector_type({count})));
 #endif
         {kind} result;
-        for (unsigned at = 0; at < sizeof(result); at += sizeof(Row)) {{
-            {rows}Row row = {expression.translate({ord(name): f"row_{name}" for name in read})};
-            memcpy(reinterpret_cast<char *>(&result) + at, &row, sizeof(Row));
+        Row row;
+        for (unsigned at = 0; at < sizeof({scalar}) * {count}; at += sizeof(Row)) {{
+            {read}{write}
         }}
         return result;
     """
 
 
-# A module finds them by their names: see operators.py. What is missing here is Warp's own.
+def _rows_of(types: LaneTypes, row_count: int) -> type:
+    return wp.types.matrix((row_count, types.lane_count), types.real)
+
+
+def _alike(types: LaneTypes, row_count: int, expression: str) -> str:
+    """The same ``expression`` for each row, ``#`` for its number."""
+    return _in_rows(types, *(expression.replace("#", str(k)) for k in range(row_count)))
+
+
+# A module finds the operators by their names: see operators.py. What is missing here is Warp's own.
 for _types in ALL_LANE_TYPES:
+
+    @wp.func_native(_in_rows(_types, "value"))
+    def in_every_lane(like: _types.lanes, value: _types.real) -> _types.lanes: ...
+
     for _kind, _row_count in ((_types.lanes, 1), (_types.lanes3, 3), (_types.lanes4, 4)):
         if _types.lane_count == 1:
 
@@ -121,28 +140,72 @@ for _types in ALL_LANE_TYPES:
             @wp.func
             def div(a: _kind, b: _kind):
                 return wp.cw_div(a, b)
-        else:
 
-            @wp.func_native(_by_rows(_types, _row_count, "a + b"))
-            def add(a: _kind, b: _kind) -> _kind: ...
+            continue
 
-            @wp.func_native(_by_rows(_types, _row_count, "a - b"))
-            def sub(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# + b#"))
+        def add(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a * b"))
-            def mul(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# - b#"))
+        def sub(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a * b", read="b"))
-            def mul(a: _types.real, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# * b#"))
+        def mul(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a / b"))
-            def div(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a * b#"))
+        def mul(a: _types.real, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a / b", read="a"))
-            def div(a: _kind, b: _types.real) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# / b#"))
+        def div(a: _kind, b: _kind) -> _kind: ...
 
-    @wp.func_native(_by_rows(_types, 1, "value", read=""))
-    def in_every_lane(like: _types.lanes, value: _types.real) -> _types.lanes: ...
+        @wp.func_native(_alike(_types, _row_count, "a# / b"))
+        def div(a: _kind, b: _types.real) -> _kind: ...
+
+    if _types.lane_count == 1:
+        continue
+
+    @wp.func_native(_in_rows(_types, "__builtin_elementwise_sqrt(a0)"))
+    def square_root(a: _types.lanes) -> _types.lanes: ...
+
+    for _kind, _row_count in ((_types.lanes, 1), (_types.lanes3, 3)):
+
+        @wp.func_native(_alike(_types, _row_count, "-a#"))
+        def negative(a: _kind) -> _kind: ...
+
+    @wp.func_native(_in_rows(_types, "a0 < 0 ? -a0 : a0"))
+    def magnitude(a: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 > b0 ? a0 : b0"))
+    def larger(a: _types.lanes, b: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 < b0 ? a0 : b0"))
+    def smaller(a: _types.lanes, b: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 > 0 ? b0 : c0"))
+    def where_positive(a: _types.lanes, b: _types.lanes, c: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 * b0", "a0 * b1", "a0 * b2"))
+    def scale(a: _types.lanes, b: _types.lanes3) -> _types.lanes3: ...
+
+    @wp.func_native(_in_rows(_types, "a0 * b0 + a1 * b1 + a2 * b2"))
+    def dot(a: _types.lanes3, b: _types.lanes3) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a1 * b2 - a2 * b1", "a2 * b0 - a0 * b2", "a0 * b1 - a1 * b0"))
+    def cross(a: _types.lanes3, b: _types.lanes3) -> _types.lanes3: ...
+
+    _lanes = _types.lanes
+
+    @wp.func_native(_in_rows(_types, "a0", "b0"))
+    def from_rows(a: _lanes, b: _lanes) -> _rows_of(_types, 2): ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes) -> _types.lanes3: ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0", "d0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes, d: _lanes) -> _types.lanes4: ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0", "d0", "e0", "f0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes, d: _lanes, e: _lanes, f: _lanes) -> _rows_of(_types, 6): ...
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
@@ -168,6 +231,12 @@ def power(a: Any, exponent: Any):
     for i in range(len(a)):
         result[i] = wp.pow(a[i], exponent)
     return result
+
+
+@wp.func
+def negative(a: Any):
+    """-a; the sign before a variable is Warp's own, lane by lane."""
+    return -a
 
 
 @wp.func
@@ -239,6 +308,26 @@ def lane_maximum(a: Any):
 
 
 @wp.func
+def from_rows(a: Any, b: Any):
+    return wp.matrix_from_rows(a, b)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any):
+    return wp.matrix_from_rows(a, b, c)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any, d: Any):
+    return wp.matrix_from_rows(a, b, c, d)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any):
+    return wp.matrix_from_rows(a, b, c, d, e, f)
+
+
+@wp.func
 def scale(s: Any, v: Any):
     """Each lane's scalar times its 3-vector."""
     return wp.matrix_from_rows(mul(s, v[0]), mul(s, v[1]), mul(s, v[2]))
@@ -298,7 +387,7 @@ for _types in ALL_LANE_TYPES:
 @wp.func
 def rows3(source: Any, row: int, block: int):
     """Three consecutive rows of lanes as 3-vectors."""
-    return wp.matrix_from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
+    return from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
 
 
 @wp.func

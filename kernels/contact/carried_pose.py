@@ -4,7 +4,7 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
+from ..lanes import dot, from_rows, lane_maximum, lane_types, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ToolPoseRow
 from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct
@@ -120,7 +120,7 @@ def surface_speed_functions(real: type, lane_count: int):
 
     @wp.func
     def turning(spin: vec3, arm: lanes3):
-        return wp.matrix_from_rows(
+        return from_rows(
             spin[1] * arm[2] - spin[2] * arm[1],
             spin[2] * arm[0] - spin[0] * arm[2],
             spin[0] * arm[1] - spin[1] * arm[0],

@@ -115,6 +115,27 @@ def _in_rows(types: LaneTypes, *rows: str) -> str:
     """
 
 
+def _halved(types: LaneTypes, expression: str) -> str:
+    """C++ that makes one number of lanes by halves, ``low`` and ``high``: in sequence each would wait for the last."""
+    count, scalar = types.lane_count, f"wp::{types.real.__name__}"
+    return f"""
+        auto halved = [](auto low, auto high) {{ return {expression}; }};
+#if defined(__CUDACC__)
+        for (int half = {count} / 2; half > 0; half /= 2)
+            for (int i = 0; i < half; ++i)
+                a[i] = halved(a[i], a[i + half]);
+        return a[0];
+#else
+        {scalar} __attribute__((ext_vector_type({count}))) all;
+        memcpy(&all, &a, sizeof(all));
+        auto eight = halved(all.lo, all.hi);
+        auto four = halved(eight.lo, eight.hi);
+        auto two = halved(four.lo, four.hi);
+        return halved(two.lo, two.hi);
+#endif
+    """
+
+
 def _rows_of(types: LaneTypes, row_count: int) -> type:
     return wp.types.matrix((row_count, types.lane_count), types.real)
 
@@ -172,6 +193,9 @@ for _types in ALL_LANE_TYPES:
         @wp.func_native(_alike(_types, _row_count, "-a#"))
         def negative(a: _kind) -> _kind: ...
 
+        @wp.func_native(_alike(_types, _row_count, "a0 > 0 ? b# : c#"))
+        def where_positive(a: _types.lanes, b: _kind, c: _kind) -> _kind: ...
+
     @wp.func_native(_in_rows(_types, "a0 < 0 ? -a0 : a0"))
     def magnitude(a: _types.lanes) -> _types.lanes: ...
 
@@ -181,8 +205,11 @@ for _types in ALL_LANE_TYPES:
     @wp.func_native(_in_rows(_types, "a0 < b0 ? a0 : b0"))
     def smaller(a: _types.lanes, b: _types.lanes) -> _types.lanes: ...
 
-    @wp.func_native(_in_rows(_types, "a0 > 0 ? b0 : c0"))
-    def where_positive(a: _types.lanes, b: _types.lanes, c: _types.lanes) -> _types.lanes: ...
+    @wp.func_native(_halved(_types, "low + high"))
+    def lane_sum(a: _types.lanes) -> _types.real: ...
+
+    @wp.func_native(_halved(_types, "high > low ? high : low"))
+    def lane_maximum(a: _types.lanes) -> _types.real: ...
 
     @wp.func_native(_in_rows(_types, "a0 * b0", "a0 * b1", "a0 * b2"))
     def scale(a: _types.lanes, b: _types.lanes3) -> _types.lanes3: ...

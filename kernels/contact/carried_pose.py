@@ -104,8 +104,7 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
             else:
                 nearer = distance - part_d
                 distance = where_positive(nearer, part_d, distance)
-                for c in range(3):
-                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+                normal = where_positive(nearer, part_n, normal)
         return distance, normal, clearance
 
     return posed_distance

@@ -103,8 +103,10 @@ def _in_rows(types: LaneTypes, *rows: str) -> str:
     return f"""
 #if defined(__CUDACC__)
         using Row = {scalar};
+        auto fused = [](Row a, Row b, Row c) {{ return wp::muladd(a, b, c); }};
 #else
         using Row = {scalar} __attribute__((ext_vector_type({count})));
+        auto fused = [](Row a, Row b, Row c) {{ return __builtin_elementwise_fma(a, b, c); }};
 #endif
         {kind} result;
         Row row;
@@ -144,6 +146,8 @@ def _alike(types: LaneTypes, row_count: int, expression: str) -> str:
     """The same ``expression`` for each row, ``#`` for its number."""
     return _in_rows(types, *(expression.replace("#", str(k)) for k in range(row_count)))
 
+
+_PRODUCT = "fused((Row)m.data[#][2], a2, fused((Row)m.data[#][1], a1, fused((Row)m.data[#][0], a0, (Row)0)))"
 
 # A module finds the operators by their names: see operators.py. What is missing here is Warp's own.
 for _types in ALL_LANE_TYPES:
@@ -213,6 +217,13 @@ for _types in ALL_LANE_TYPES:
 
     @wp.func_native(_in_rows(_types, "a0 * b0", "a0 * b1", "a0 * b2"))
     def scale(a: _types.lanes, b: _types.lanes3) -> _types.lanes3: ...
+
+    # fused, as Warp's own products of matrices
+    @wp.func_native(_in_rows(_types, *(_PRODUCT.replace("#", str(k)) for k in range(3))))
+    def mul(m: wp.types.matrix((3, 3), _types.real), a: _types.lanes3) -> _types.lanes3: ...
+
+    @wp.func_native(_in_rows(_types, "value[0]", "value[1]", "value[2]"))
+    def in_every_lane(like: _types.lanes3, value: _types.vec3) -> _types.lanes3: ...
 
     @wp.func_native(_in_rows(_types, "a0 * b0 + a1 * b1 + a2 * b2"))
     def dot(a: _types.lanes3, b: _types.lanes3) -> _types.lanes: ...

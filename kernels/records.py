@@ -10,7 +10,8 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import ALL_LANE_TYPES, LaneTypes, from_rows, pick, store_rows3
+from .lane_types import ALL_LANE_TYPES, LaneTypes
+from .lanes import from_rows, pick, store_rows3
 
 # Row of a piece behind its vector.
 SCALAR = wp.constant(3)

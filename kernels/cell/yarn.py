@@ -4,7 +4,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, fill, from_rows, inverses, larger, magnitude, square_root, where_positive
+from ..angles import angle_of
+from ..lanes import fill, from_rows, inverses, larger, magnitude, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 
 # Rows of a yarn's state, from which its higher derivatives are computed: l - l0, axial stiffness [N/m], moment [N m],

@@ -4,7 +4,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, from_rows, in_every_lane, lane_maximum, lane_types, smaller, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, from_rows, in_every_lane, lane_maximum, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ToolPoseRow
 from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct

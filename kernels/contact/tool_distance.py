@@ -7,7 +7,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import fill, in_every_lane, lane_types, smaller, where_positive
+from ..lane_types import lane_types
+from ..lanes import fill, in_every_lane, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .friction import tool_friction_struct
 from .mesh_samples import sampled_clearance

@@ -7,7 +7,8 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import GPU_LANE_COUNT, expect, expect_rows, fill, lane_types, negative, scale, step_options, where_positive
+from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
+from ..lanes import expect, expect_rows, fill, negative, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4

@@ -13,7 +13,9 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, cross, dot, fill, from_rows, inverses, lane_types, pick, scale, square_root
+from ..angles import angle_of
+from ..lane_types import lane_types
+from ..lanes import cross, dot, fill, from_rows, inverses, pick, scale, square_root
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, vector_of
 from ..rows import CurvatureRow, GradientRow, MotionRow, OffsetRow, TransverseShearRow

@@ -6,19 +6,8 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import (
-    cross,
-    dot,
-    fill,
-    in_every_lane,
-    lane_maximum,
-    lane_types,
-    load,
-    scale,
-    store,
-    store_rows3,
-    where_positive,
-)
+from ..lane_types import lane_types
+from ..lanes import cross, dot, fill, in_every_lane, lane_maximum, load, scale, store, store_rows3, where_positive
 from ..machine import following
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4

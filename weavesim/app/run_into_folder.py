@@ -124,7 +124,8 @@ def run_into_folder(
                         _numbers(simulation, folder, log, measure), setup=options if shown is None else shown
                     )
                     if simulation.outcome is Outcome.FINISHED and not summary["missing"]:
-                        folder.sync()
+                        if checkpoints.are_there:
+                            folder.sync()
                         checkpoints.remove()
     finally:
         bar.close()

@@ -64,6 +64,8 @@ class Writer:
         title: for messages.
         rank: writers with a higher rank write later; those that show the output of others, such as the report, rank
             high.
+        packages: that it imports when it needs them; a run does not begin without them.
+        needs_load: whether it gets no message before ``load`` has returned.
 
     Args:
         folder: of the run; it exists.
@@ -75,6 +77,8 @@ class Writer:
     name: ClassVar[str] = ""
     title: ClassVar[str] = ""
     rank: ClassVar[int] = 0
+    packages: ClassVar[tuple[str, ...]] = ()
+    needs_load: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
         if not cls.name:
@@ -91,7 +95,7 @@ class Writer:
 
     @classmethod
     def load(cls) -> None:
-        """Do slow imports before a run; nothing else may happen here."""
+        """Do slow imports, in another thread while the first steps are done; nothing else may happen here."""
 
     def start(self, info: RunInfo) -> None:
         """Called when a run begins."""

@@ -37,6 +37,7 @@ class PicturesWriter(Writer):
     name = "pictures"
     title = "pictures"
     rank = 2
+    packages = ("matplotlib",)
 
     @classmethod
     def load(cls) -> None:

@@ -20,6 +20,7 @@ class ReportWriter(Writer):
     name = "report"
     title = PAGE_NAME
     rank = 8
+    packages = ("jinja2",)
 
     @classmethod
     def load(cls) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -243,10 +243,17 @@ class ResultFolder:
         results = Results(
             self._info, self._wanted, self.history, sheets, numbers, shown, self.warnings, self.warnings.names
         )
-        with noting(self.add):
+        with noting(self.add), ExitStack() as meanwhile:
             for writer in self._writers:
                 writer.save(writer.title, partial(writer.precede, results))
-            for writer in self._writers:
+            begun = [
+                writer
+                for writer in self._writers
+                if writer.attempt(writer.title, partial(writer.begin, results, meanwhile))
+            ]
+            if self._outcome is not None:
+                self._record.hash_so_far()
+            for writer in begun:
                 writer.attempt(writer.title, partial(writer.write, results))
             if self._outcome is not None:
                 self._verify()

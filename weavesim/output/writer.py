@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -54,7 +55,7 @@ class Failures(list[str]):
 
 class Writer:
     """Base class of all writers. A subclass overrides what it needs of ``start``, ``frame``, ``finish``, ``precede``,
-    ``write`` and ``conclude``.
+    ``begin``, ``write`` and ``conclude``.
 
     A writer that raises anything, for example on a full disk, is abandoned with a warning; the others and the run
     continue.
@@ -112,8 +113,16 @@ class Writer:
     def precede(self, results: Results) -> None:
         """Write what must be there whatever happens to the rest; called before any ``write``."""
 
+    def begin(self, results: Results, meanwhile: ExitStack) -> None:
+        """Begin what goes on by itself, or needs no other writer; called after ``precede`` and before any ``write``.
+
+        Args:
+            results: of the run; no pictures are there yet.
+            meanwhile: closed when all have written, or have been interrupted.
+        """
+
     def write(self, results: Results) -> None:
-        """Write the results of the whole run."""
+        """Write the results of the whole run; not called where ``begin`` failed."""
 
     def conclude(self, results: Results) -> None:
         """Called when all have written, successfully or not."""

@@ -16,10 +16,12 @@ import os
 import re
 import shutil
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,6 +112,76 @@ def ensure_room() -> None:
         remove_unused(folder)
     except OSError as error:
         use_temporary(error)
+
+
+class _Open(set[Any]):
+    """Functions that are being hashed.
+
+    Attributes:
+        circle_count: how often one was met that was being hashed.
+        circular: functions whose hash depends on which one of a circle of calls is hashed first.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.circle_count, self.circular = 0, set[Any]()
+
+    def __contains__(self, function: object) -> bool:
+        found = super().__contains__(function)
+        self.circle_count += found
+        return found
+
+
+_hashing = threading.local()  # known: hashes of functions, for the thread that is in ``hashed_once``
+
+
+@contextmanager
+def hashed_once() -> Iterator[None]:
+    """Have Warp hash a device function once for all kernels that this thread hashes here, not for each that calls it.
+
+    Hashes are what they would be. What functions refer to must not change meanwhile; they may get further overloads:
+    then all is hashed again. One thread at a time, see ``exclusive``.
+    """
+    if getattr(_hashing, "known", None) is not None:
+        yield
+        return
+    context: Any = import_module("warp._src.context")
+    plain: Any = context.ModuleHasher
+    add_overload = context.Function.add_overload
+
+    class Hasher(plain):
+        functions_in_progress: set[Any]
+
+        def hash_function(self, function: Any) -> bytes:
+            known: dict[Any, bytes] | None = getattr(_hashing, "known", None)
+            if known is None:
+                return bytes(super().hash_function(function))
+            if function not in known:
+                if not isinstance(self.functions_in_progress, _Open):
+                    self.functions_in_progress = _Open()
+                open_ones: Any = self.functions_in_progress
+                before = open_ones.circle_count
+                digest = bytes(super().hash_function(function))
+                if open_ones.circle_count > before or function in open_ones.circular:
+                    open_ones.circular.add(function)
+                    open_ones.circle_count += 1  # for what calls it
+                    return digest
+                known[function] = digest
+            return known[function]
+
+    def add(function: Any, overload: Any) -> None:
+        # a struct gives constructors to itself only, when it is made
+        if function is not overload and not function.is_builtin() and getattr(_hashing, "known", None):
+            _hashing.known.clear()
+        add_overload(function, overload)
+
+    _hashing.known = {}
+    context.ModuleHasher, context.Function.add_overload = Hasher, add
+    try:
+        yield
+    finally:
+        context.ModuleHasher, context.Function.add_overload = plain, add_overload
+        _hashing.known = None
 
 
 @dataclass(frozen=True)

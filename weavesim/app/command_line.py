@@ -43,7 +43,7 @@ from .results.export import export_command
 from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
-from .session import announce_compilation, announced, interruptible, uncollected
+from .session import announce_compilation, announced, ends_uncollected, interruptible, uncollected
 from .study_command import study_command
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -74,6 +74,7 @@ add_commands(application)
 def main(*leading: str) -> None:
     """Run the command line with the ``leading`` arguments followed by those of the process; exits with a code."""
     hold_standard_streams()
+    ends_uncollected()
     try:
         with leaving_at_once():
             given = [*leading, *sys.argv[1:]]

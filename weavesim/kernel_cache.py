@@ -31,14 +31,18 @@ if TYPE_CHECKING:
     import warp as wp
 
 SEAL_NAME = "weavesim.seal"
-# What Warp loads: object files of a CPU, binaries of a GPU, and what it knows about a module.
-LOADED = (".o", ".ptx", ".cubin", ".meta")
+# What Warp loads: object files of a CPU, binaries of a GPU, and what it knows about a module; and samples of tools.
+LOADED = (".o", ".ptx", ".cubin", ".meta", ".npy")
+# Begins the names of folders with samples of tools, which are modules in all but that Warp does not load them.
+SAMPLES = "samples_"
 # A kernel of a run takes up to this much.
 PROBE_SIZE = 1 << 20
 
 # Beyond this size [bytes] modules that no run has loaded for this long [s] are removed.
 LARGEST_SIZE = 1 << 30
 UNUSED_AGE = 24.0 * 3600.0
+# The same of samples of tools, of which somebody who tries many makes gigabytes a day [s].
+SAMPLES_AGE = 3600.0
 
 # Our folders in the cache, one per kind of processor; others may keep theirs beside them.
 OWN_FOLDER = re.compile(r"[0-9a-f]{12}")
@@ -192,6 +196,11 @@ class Module:
     size: int
     used: float
 
+    @property
+    def has_samples(self) -> bool:
+        """Whether it has samples of tools, not kernels."""
+        return self.folder.name.startswith(SAMPLES)
+
 
 def modules(folder: Path) -> list[Module]:
     """What weavesim loaded from a folder of modules, told by its seal: other programs may keep theirs beside it."""
@@ -208,12 +217,15 @@ def modules(folder: Path) -> list[Module]:
 def remove_unused(folder: Path, largest_size: int = LARGEST_SIZE, unused_age: float = UNUSED_AGE) -> None:
     """Remove the modules that were not used for longest until the rest is within ``largest_size`` [bytes].
 
-    Those used within ``unused_age`` [s] stay: another run may be about to load them.
+    Samples of tools go before kernels, which take longer to make. Those used within ``unused_age`` [s] stay, samples
+    for an hour: another run may be about to load them.
     """
     every = modules(folder)
     excess, now = sum(module.size for module in every) - largest_size, time.time()
-    for module in sorted(every, key=lambda one: one.used):
-        if excess <= 0 or now - module.used < unused_age:
+    spared = {True: min(unused_age, SAMPLES_AGE), False: unused_age}
+    old = [module for module in every if now - module.used >= spared[module.has_samples]]
+    for module in sorted(old, key=lambda one: (not one.has_samples, one.used)):
+        if excess <= 0:
             return
         shutil.rmtree(module.folder, ignore_errors=True)
         excess -= module.size

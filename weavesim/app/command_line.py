@@ -152,7 +152,7 @@ def cache_command(
         bool, typer.Option("--clear", help="remove all compiled kernels; runs compile theirs again")
     ] = False,
 ) -> None:
-    """Show where the compiled kernels are and how much they take, or remove them."""
+    """Show where the compiled kernels and the samples of tools are and how much they take, or remove them."""
     from .. import kernel_cache
     from ..device import kernel_cache_base
 
@@ -160,7 +160,9 @@ def cache_command(
     every = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
     found = {folder: modules for folder, modules in every.items() if modules}
     for folder, modules in found.items():
-        print(f"{folder}: {len(modules)} compiled kernels, {sum(module.size for module in modules) / 1e6:.0f} MB")
+        samples = sum(module.has_samples for module in modules)
+        what = f"{len(modules) - samples} compiled kernels" + (f", samples of {samples} tools" if samples else "")
+        print(f"{folder}: {what}, {sum(module.size for module in modules) / 1e6:.0f} MB")
     if clear:
         kernel_cache.clear(base)
     if not found:
@@ -287,8 +289,10 @@ def _run_to_its_end(name: str, out: Path, run: Callable[[], dict[str, Any]]) -> 
     """Run, say where the results are, and exit with a code."""
     with uncollected():
         from ..engine.compilation import side_by_side
+        from ..tools.samples.stored import samples_stored
 
-    with interruptible() as interrupted, side_by_side(partial(announce_compilation, name)), announced():
+    announce = partial(announce_compilation, name)
+    with interruptible() as interrupted, side_by_side(announce), samples_stored(), announced():
         result = run()
         number = interrupted.signal
         for line in closing_lines(result, out, number):

@@ -235,6 +235,7 @@ class ResultFolder:
         frame = self.history.last_frame
         if frame is None or self._record is None:
             raise InputError("results: there is no frame to write; run the simulation with this folder as observer")
+        self._loading.wait()  # a copy of the process must not be made within an import
         sheets = sheet_results(self._info, self._wanted, frame)
         given = {"run_id": self._info.run_id, **summary}
         failed = partial(self.warnings.add, verb="computed")

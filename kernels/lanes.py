@@ -134,10 +134,6 @@ for _types in ALL_LANE_TYPES:
         def lane_maximum(a: _types.lanes):
             return a[0]
 
-        @wp.func
-        def where_positive(condition: _types.lanes, if_positive: _types.lanes3, otherwise: _types.lanes3):
-            return wp.where(condition[0] > condition.dtype(0.0), if_positive, otherwise)
-
         continue
 
     @wp.func_native(_in_rows(_types, "root(a0)"))
@@ -148,8 +144,8 @@ for _types in ALL_LANE_TYPES:
         @wp.func_native(_alike(_types, _row_count, "-a#"))
         def negative(a: _kind) -> _kind: ...
 
-        @wp.func_native(_alike(_types, _row_count, "a0 > 0 ? b# : c#"))
-        def where_positive(a: _types.lanes, b: _kind, c: _kind) -> _kind: ...
+    @wp.func_native(_in_rows(_types, "a0 > 0 ? b0 : c0"))
+    def where_positive(a: _types.lanes, b: _types.lanes, c: _types.lanes) -> _types.lanes: ...
 
     @wp.func_native(_in_rows(_types, "a0 < 0 ? -a0 : a0"))
     def magnitude(a: _types.lanes) -> _types.lanes: ...

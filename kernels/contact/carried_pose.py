@@ -105,7 +105,8 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
             else:
                 nearer = distance - part_d
                 distance = where_positive(nearer, part_d, distance)
-                normal = where_positive(nearer, part_n, normal)
+                for c in range(3):
+                    normal[c] = where_positive(nearer, part_n[c], normal[c])
         return distance, normal, clearance
 
     return posed_distance

@@ -227,7 +227,8 @@ def test_functions_of_lanes_are_exact(types):
         result[3, 0] = larger(x, y)
         result[4, 0] = smaller(x, y)
         store_rows3(result, 5, 0, negative(u))
-        store_rows3(result, 8, 0, where_positive(x, u, w))
+        for c in range(3):
+            result[8 + c, 0] = where_positive(x, u[c], w[c])
         store_rows3(result, 11, 0, scale(y, u))
         store_rows3(result, 14, 0, in_every_lane(u, v))
         result[17, 0] = lanes(lane_maximum(x))

@@ -2,7 +2,8 @@
 
 A kernel thread holds W scalars in a Warp vector ("lanes") and W 3-vectors in a 3 x W matrix ("lanes3").
 Clang turns the componentwise operations into SIMD instructions; on a GPU, and in most tests, W = 1 and the same
-source is plain scalar code. The functions below are generic in W and precision.
+source is plain scalar code. The functions below are generic in W and precision; most have a second form for sixteen
+lanes, in C++.
 
 Numbers: a bare literal is a single-precision constant and does not combine with lanes. A formula uses ``x.dtype(2.0)``
 for a factor and ``fill(x, 1.0)`` for lanes, where x is any lanes in it; ``fill(x, laws.thickness)`` broadcasts a scalar
@@ -11,106 +12,87 @@ exact in single precision write ``fill(x, x.dtype(4.4))``. Only a kernel, which 
 ``real(2.0)`` and, for lanes of zeros, ``lanes()``. Componentwise products of lanes: see operators.py.
 """
 
-import platform
-from dataclasses import dataclass
-from functools import cache
+import re
 from typing import Any
 
-import numpy as np
 import warp as wp
 
-CPU_LANE_COUNT = 16
-GPU_LANE_COUNT = 1
+from .lane_types import ALL_LANE_TYPES, LaneTypes
 
-# Threads of a block on a GPU: few, so that a small sheet occupies every multiprocessor.
-STEP_THREAD_COUNT = 64
-
-# Sixteen scalars of single precision are read sooner one by one than by an AVX gather; eight of double are not.
-NO_GATHER_FLAGS = "-target-feature +prefer-no-gather"
-# As large as it takes: copies of structs at calls made up half of a pass between plies.
-INLINING_FLAGS = "-mllvm -inline-threshold=200000"
+# --- lanes as vectors of C++ ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class LaneTypes:
-    """Warp types of one precision and lane count."""
-
-    real: type
-    lane_count: int
-    lanes: type
-    lanes3: type
-    lanes4: type
-    indices: type
-    vec3: type
-    vec4: type
-
-
-@cache
-def lane_types(real: type, lane_count: int) -> LaneTypes:
-    """Types for ``real`` (wp.float32 or wp.float64) and ``lane_count`` (1 or 16)."""
-    return LaneTypes(
-        real=real,
-        lane_count=lane_count,
-        lanes=wp.types.vector(lane_count, real),
-        lanes3=wp.types.matrix((3, lane_count), real),
-        lanes4=wp.types.matrix((4, lane_count), real),
-        indices=wp.types.vector(lane_count, wp.int32),
-        vec3=wp.types.vector(3, real),
-        vec4=wp.types.vector(4, real),
-    )
-
-
-ALL_LANE_TYPES = tuple(
-    lane_types(real, lane_count) for real in (wp.float32, wp.float64) for lane_count in (GPU_LANE_COUNT, CPU_LANE_COUNT)
-)
-
-
-def step_options(real: type, inlined: bool = False) -> dict[str, Any]:
-    """Options of the modules of the kernels of a step: small blocks on a GPU; on x86, single precision without gathers.
-
-    The flags of a module replace those of Warp's configuration, which are set before a kernel is made. ``inlined`` is
-    for kernels of large functions whose structs would be copied at every call.
-    """
-    flags = wp.config.cpu_compiler_flags
-    if flags and inlined:
-        flags = f"{flags} {INLINING_FLAGS}"
-    if real is wp.float64 or not flags or platform.machine().lower() not in ("x86_64", "amd64"):
-        return {"block_dim": STEP_THREAD_COUNT} | ({"cpu_compiler_flags": flags} if flags and inlined else {})
-    return {"block_dim": STEP_THREAD_COUNT, "cpu_compiler_flags": f"{flags} {NO_GATHER_FLAGS}"}
-
-
-# --- operators --------------------------------------------------------------------------------------------------------
-
-
-def _by_rows(types: LaneTypes, row_count: int, expression: str, read: str = "ab") -> str:
-    """C++ of an expression of a and b, for each row of the result; arguments in ``read`` have rows too.
+def _in_rows(types: LaneTypes, *rows: str) -> str:
+    """C++ of a value with a row for each expression; ``a0`` is the first row of an argument a, ``b2`` the third of b.
 
     A row is one vector of C++. Warp's own loops over lanes are taken apart into thousands of single numbers, and the
     compiler looks for each of them through all code behind a branch: that took most of the time to compile.
     """
     count, scalar = types.lane_count, f"wp::{types.real.__name__}"
-    kind = f"wp::vec_t<{count}, {scalar}>" if row_count == 1 else f"wp::mat_t<{row_count}, {count}, {scalar}>"
-    rows = "".join(
-        f"Row row_{name}; memcpy(&row_{name}, reinterpret_cast<const char *>(&{name}) + at, sizeof(Row));\n            "
-        for name in read
+    kind = f"wp::vec_t<{count}, {scalar}>" if len(rows) == 1 else f"wp::mat_t<{len(rows)}, {count}, {scalar}>"
+    place = f"<{{}} *>(&{{}}) + {{}} * sizeof({scalar}) * {count} + at"
+    read = "".join(
+        f"Row {name}; memcpy(&{name}, reinterpret_cast{place.format('const char', *name)}, sizeof(Row));\n            "
+        for name in sorted({name for row in rows for name in re.findall(r"\b[a-f]\d\b", row)})
+    )
+    write = "".join(
+        f"row = {row}; memcpy(reinterpret_cast{place.format('char', 'result', k)}, &row, sizeof(Row));\n            "
+        for k, row in enumerate(rows)
     )
     return f"""
 #if defined(__CUDACC__)
         using Row = {scalar};
+        auto root = [](Row a) {{ return wp::sqrt(a); }};
+        auto fused = [](Row a, Row b, Row c) {{ return wp::muladd(a, b, c); }};
 #else
         using Row = {scalar} __attribute__((ext_vector_type({count})));
+        auto root = [](Row a) {{ return __builtin_elementwise_sqrt(a); }};
+        auto fused = [](Row a, Row b, Row c) {{ return __builtin_elementwise_fma(a, b, c); }};
 #endif
         {kind} result;
-        for (unsigned at = 0; at < sizeof(result); at += sizeof(Row)) {{
-            {rows}Row row = {expression.translate({ord(name): f"row_{name}" for name in read})};
-            memcpy(reinterpret_cast<char *>(&result) + at, &row, sizeof(Row));
+        Row row, none = 0;
+        for (unsigned at = 0; at < sizeof({scalar}) * {count}; at += sizeof(Row)) {{
+            {read}{write}
         }}
         return result;
     """
 
 
-# A module finds them by their names: see operators.py. What is missing here is Warp's own.
+def _halved(types: LaneTypes, expression: str) -> str:
+    """C++ that makes one number of lanes by halves, ``low`` and ``high``: in sequence each would wait for the last."""
+    count, scalar = types.lane_count, f"wp::{types.real.__name__}"
+    return f"""
+        auto halved = [](auto low, auto high) {{ return {expression}; }};
+#if defined(__CUDACC__)
+        for (int half = {count} / 2; half > 0; half /= 2)
+            for (int i = 0; i < half; ++i)
+                a[i] = halved(a[i], a[i + half]);
+        return a[0];
+#else
+        {scalar} __attribute__((ext_vector_type({count}))) all;
+        memcpy(&all, &a, sizeof(all));
+        auto eight = halved(all.lo, all.hi);
+        auto four = halved(eight.lo, eight.hi);
+        auto two = halved(four.lo, four.hi);
+        return halved(two.lo, two.hi);
+#endif
+    """
+
+
+def _alike(types: LaneTypes, row_count: int, expression: str) -> str:
+    """The same ``expression`` for each row, ``#`` for its number."""
+    return _in_rows(types, *(expression.replace("#", str(k)) for k in range(row_count)))
+
+
+# A module finds the operators by their names: see operators.py. What is missing here is Warp's own.
 for _types in ALL_LANE_TYPES:
+
+    @wp.func_native(_in_rows(_types, "value"))
+    def in_every_lane(like: _types.lanes, value: _types.real) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "value[0]", "value[1]", "value[2]"))
+    def in_every_lane(like: _types.lanes3, value: _types.vec3) -> _types.lanes3: ...
+
     for _kind, _row_count in ((_types.lanes, 1), (_types.lanes3, 3), (_types.lanes4, 4)):
         if _types.lane_count == 1:
 
@@ -121,28 +103,94 @@ for _types in ALL_LANE_TYPES:
             @wp.func
             def div(a: _kind, b: _kind):
                 return wp.cw_div(a, b)
-        else:
 
-            @wp.func_native(_by_rows(_types, _row_count, "a + b"))
-            def add(a: _kind, b: _kind) -> _kind: ...
+            continue
 
-            @wp.func_native(_by_rows(_types, _row_count, "a - b"))
-            def sub(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# + b#"))
+        def add(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a * b"))
-            def mul(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# - b#"))
+        def sub(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a * b", read="b"))
-            def mul(a: _types.real, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# * b#"))
+        def mul(a: _kind, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a / b"))
-            def div(a: _kind, b: _kind) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a * b#"))
+        def mul(a: _types.real, b: _kind) -> _kind: ...
 
-            @wp.func_native(_by_rows(_types, _row_count, "a / b", read="a"))
-            def div(a: _kind, b: _types.real) -> _kind: ...
+        @wp.func_native(_alike(_types, _row_count, "a# / b#"))
+        def div(a: _kind, b: _kind) -> _kind: ...
 
-    @wp.func_native(_by_rows(_types, 1, "value", read=""))
-    def in_every_lane(like: _types.lanes, value: _types.real) -> _types.lanes: ...
+        @wp.func_native(_alike(_types, _row_count, "a# / b"))
+        def div(a: _kind, b: _types.real) -> _kind: ...
+
+    if _types.lane_count == 1:
+
+        @wp.func
+        def lane_sum(a: _types.lanes):
+            return a[0]
+
+        @wp.func
+        def lane_maximum(a: _types.lanes):
+            return a[0]
+
+        continue
+
+    @wp.func_native(_in_rows(_types, "root(a0)"))
+    def square_root(a: _types.lanes) -> _types.lanes: ...
+
+    for _kind, _row_count in ((_types.lanes, 1), (_types.lanes3, 3)):
+
+        @wp.func_native(_alike(_types, _row_count, "-a#"))
+        def negative(a: _kind) -> _kind: ...
+
+    @wp.func_native(_in_rows(_types, "a0 > 0 ? b0 : c0"))
+    def where_positive(a: _types.lanes, b: _types.lanes, c: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 < 0 ? -a0 : a0"))
+    def magnitude(a: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 > b0 ? a0 : b0"))
+    def larger(a: _types.lanes, b: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a0 < b0 ? a0 : b0"))
+    def smaller(a: _types.lanes, b: _types.lanes) -> _types.lanes: ...
+
+    @wp.func_native(_halved(_types, "low + high"))
+    def lane_sum(a: _types.lanes) -> _types.real: ...
+
+    @wp.func_native(_halved(_types, "high > low ? high : low"))
+    def lane_maximum(a: _types.lanes) -> _types.real: ...
+
+    @wp.func_native(_in_rows(_types, "a0 * b0", "a0 * b1", "a0 * b2"))
+    def scale(a: _types.lanes, b: _types.lanes3) -> _types.lanes3: ...
+
+    # fused, as Warp's own products of matrices
+    @wp.func_native(
+        _alike(_types, 3, "fused(m.data[#][2], a2, fused(m.data[#][1], a1, fused(m.data[#][0], a0, none)))")
+    )
+    def mul(m: wp.types.matrix((3, 3), _types.real), a: _types.lanes3) -> _types.lanes3: ...
+
+    @wp.func_native(_in_rows(_types, "a0 * b0 + a1 * b1 + a2 * b2"))
+    def dot(a: _types.lanes3, b: _types.lanes3) -> _types.lanes: ...
+
+    @wp.func_native(_in_rows(_types, "a1 * b2 - a2 * b1", "a2 * b0 - a0 * b2", "a0 * b1 - a1 * b0"))
+    def cross(a: _types.lanes3, b: _types.lanes3) -> _types.lanes3: ...
+
+    _lanes = _types.lanes
+    _lanes2, _lanes6 = (wp.types.matrix((count, _types.lane_count), _types.real) for count in (2, 6))
+
+    @wp.func_native(_in_rows(_types, "a0", "b0"))
+    def from_rows(a: _lanes, b: _lanes) -> _lanes2: ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes) -> _types.lanes3: ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0", "d0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes, d: _lanes) -> _types.lanes4: ...
+
+    @wp.func_native(_in_rows(_types, "a0", "b0", "c0", "d0", "e0", "f0"))
+    def from_rows(a: _lanes, b: _lanes, c: _lanes, d: _lanes, e: _lanes, f: _lanes) -> _lanes6: ...
 
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
@@ -168,6 +216,12 @@ def power(a: Any, exponent: Any):
     for i in range(len(a)):
         result[i] = wp.pow(a[i], exponent)
     return result
+
+
+@wp.func
+def negative(a: Any):
+    """-a; the sign before a variable is Warp's own, lane by lane."""
+    return -a
 
 
 @wp.func
@@ -210,32 +264,27 @@ def inverses(a: Any, b: Any):
     return mul(b, inverse), mul(a, inverse)
 
 
-@wp.func
-def lane_sum(a: Any):
-    """Sum over the lanes, by halves: in sequence each addition would wait for the previous one."""
-    result = a
-    for k in range(4):
-        other = result
-        for i in range(len(a)):
-            # with fewer lanes the remaining halvings do nothing
-            if (8 >> k) < len(a):
-                result[i] = other[i] + other[(i + (8 >> k)) % len(a)]
-    return result[0]
-
-
-@wp.func
-def lane_maximum(a: Any):
-    """Largest lane, by halves too."""
-    result = a
-    for k in range(4):
-        other = result
-        for i in range(len(a)):
-            j = (i + (8 >> k)) % len(a)
-            result[i] = wp.where(other[j] > other[i], other[j], other[i])
-    return result[0]
-
-
 # --- 3-vectors in lanes -----------------------------------------------------------------------------------------------
+
+
+@wp.func
+def from_rows(a: Any, b: Any):
+    return wp.matrix_from_rows(a, b)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any):
+    return wp.matrix_from_rows(a, b, c)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any, d: Any):
+    return wp.matrix_from_rows(a, b, c, d)
+
+
+@wp.func
+def from_rows(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any):
+    return wp.matrix_from_rows(a, b, c, d, e, f)
 
 
 @wp.func
@@ -298,7 +347,7 @@ for _types in ALL_LANE_TYPES:
 @wp.func
 def rows3(source: Any, row: int, block: int):
     """Three consecutive rows of lanes as 3-vectors."""
-    return wp.matrix_from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
+    return from_rows(source[row, block], source[row + 1, block], source[row + 2, block])
 
 
 @wp.func
@@ -329,71 +378,3 @@ def store(target: Any, first: int, value: Any):
         column[1] = value[1, i]
         column[2] = value[2, i]
         target[first + i] = column
-
-
-# --- angles without trigonometric calls -------------------------------------------------------------------------------
-
-
-_RIGHT_ANGLE = wp.constant(wp.float64(0.5 * np.pi))
-
-
-def arctangent_coefficients(term_count: int, largest_square: float = 1.0) -> list[float]:
-    """Coefficients c_k of atan(x)/x = sum c_k x^(2k) for 0 <= x^2 <= ``largest_square``, near-minimax (Chebyshev)."""
-    chebyshev = np.polynomial.Chebyshev.interpolate(
-        lambda z: np.where(
-            z > 1e-12, np.arctan(np.sqrt(np.abs(z))) / np.sqrt(np.maximum(np.abs(z), 1e-300)), 1 - z / 3
-        ),
-        term_count - 1,
-        domain=[0.0, largest_square],
-    )
-    return chebyshev.convert(kind=np.polynomial.Polynomial).coef.tolist()
-
-
-# The error is 3e-9 with ten terms, 1e-15 with twenty.
-_SINGLE_ARCTANGENT = wp.types.vector(10, wp.float32)(*arctangent_coefficients(10))
-_DOUBLE_ARCTANGENT = wp.types.vector(20, wp.float64)(*arctangent_coefficients(20))
-
-
-@wp.func
-def polynomial(x: Any, coefficients: Any):
-    """Polynomial in ``x``; an even number of ``coefficients``, the constant first.
-
-    Even and odd powers are separate: two chains of half the length, whose multiply-adds are independent.
-    """
-    square = mul(x, x)
-    even = type(x)()
-    odd = type(x)()
-    for k in range(len(coefficients) // 2):
-        even = mul(even, square) + fill(x, coefficients[len(coefficients) - 2 - 2 * k])
-        odd = mul(odd, square) + fill(x, coefficients[len(coefficients) - 1 - 2 * k])
-    return even + mul(x, odd)
-
-
-for _types in ALL_LANE_TYPES:
-    if _types.real is wp.float32:
-
-        @wp.func
-        def arctangent_ratio(square: _types.lanes):
-            """atan(x)/x of ``square`` = x^2 up to 1, to the precision of the lanes."""
-            return polynomial(square, _SINGLE_ARCTANGENT)
-    else:
-
-        @wp.func
-        def arctangent_ratio(square: _types.lanes):
-            """atan(x)/x of ``square`` = x^2 up to 1, to the precision of the lanes."""
-            return polynomial(square, _DOUBLE_ARCTANGENT)
-
-
-@wp.func
-def angle_of(sine: Any, cosine: Any, radius: Any):
-    """atan2(sine, cosine), where ``radius`` = sqrt(sine^2 + cosine^2), to a few round-offs up to 170 degrees.
-
-    Twice the arctangent of tan(x/2) = sine/(radius + cosine), or of its reciprocal beyond a right angle: one division,
-    no root, no branch.
-    """
-    size = magnitude(sine)
-    beside = radius + cosine
-    tangent = div(smaller(size, beside), larger(size, beside))
-    half = mul(tangent, arctangent_ratio(mul(tangent, tangent)))
-    half = where_positive(size - beside, fill(half, half.dtype(_RIGHT_ANGLE)) - half, half)
-    return where_positive(sine, half + half, -(half + half))

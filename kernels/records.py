@@ -10,7 +10,8 @@ from typing import Any
 
 import warp as wp
 
-from .lanes import ALL_LANE_TYPES, LaneTypes, pick, store_rows3
+from .lane_types import ALL_LANE_TYPES, LaneTypes
+from .lanes import from_rows, pick, store_rows3
 
 # Row of a piece behind its vector.
 SCALAR = wp.constant(3)
@@ -125,7 +126,7 @@ for _types in ALL_LANE_TYPES:
         @wp.func
         def gather4(source: _entries, index: _types.indices, first: wp.int32, stride: wp.int32):
             """The scalars ``source[index + first + (0, 1, 2, 3) stride]``, one per lane, in four rows."""
-            return wp.matrix_from_rows(
+            return from_rows(
                 pick(source, index, first),
                 pick(source, index, first + stride),
                 pick(source, index, first + 2 * stride),
@@ -147,9 +148,7 @@ for _types in ALL_LANE_TYPES:
         @wp.func
         def record4(source: _rows, length: wp.int32, row: wp.int32, block: wp.int32):
             """The four rows from ``row`` on of a block of records of ``length`` numbers."""
-            return wp.matrix_from_rows(
-                source[row, block], source[row + 1, block], source[row + 2, block], source[row + 3, block]
-            )
+            return from_rows(source[row, block], source[row + 1, block], source[row + 2, block], source[row + 3, block])
 
         @wp.func
         def store_record4(
@@ -191,7 +190,7 @@ for _types in ALL_LANE_TYPES:
 @wp.func
 def vector_of(piece: Any):
     """The vector of a piece."""
-    return wp.matrix_from_rows(piece[0], piece[1], piece[2])
+    return from_rows(piece[0], piece[1], piece[2])
 
 
 @wp.func

@@ -223,9 +223,9 @@ def known_scenes() -> dict[str, SceneFile]:
 
 def _scene_literals(source: str) -> dict[str, str]:
     """``name`` and ``help`` of the scene defined in a module; {} if it defines none."""
-    if "\nSCENE = Scene(" not in source:
-        return {}
-    for node in ast.parse(source).body:
+    # what stands before it takes ten times as long to parse
+    _, begin, rest = source.partition("\nSCENE = Scene(")
+    for node in ast.parse(begin + rest).body:
         match node:
             case ast.Assign(targets=[ast.Name(id="SCENE")], value=ast.Call(keywords=keywords)):
                 return {k.arg: ast.literal_eval(k.value) for k in keywords if k.arg in ("name", "help")}

@@ -4,6 +4,7 @@
     python scripts/benchmark.py laws        cost of each law, relative to the default one
     python scripts/benchmark.py cells       cost of each unit cell, relative to the plain weave
     python scripts/benchmark.py compiling   processor time to compile the kernels of each unit cell
+    python scripts/benchmark.py start       time from the command to the first step of a run
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
     python scripts/benchmark.py plies       cost of the contact between plies
     python scripts/benchmark.py meshes      cost of tools that are meshes, relative to built-in shapes
@@ -31,6 +32,7 @@ from scripts.benchmarks.answer import answer  # noqa: E402
 from scripts.benchmarks.batch import batch  # noqa: E402
 from scripts.benchmarks.bounds import bounds  # noqa: E402
 from scripts.benchmarks.compilation.instructions import instructions  # noqa: E402
+from scripts.benchmarks.compilation.start import start  # noqa: E402
 from scripts.benchmarks.compilation.times import compiling  # noqa: E402
 from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
 from scripts.benchmarks.laws import cells, laws  # noqa: E402
@@ -48,6 +50,7 @@ for command in (
     laws,
     cells,
     compiling,
+    start,
     sheets,
     batch,
     plies,

@@ -16,10 +16,12 @@ import os
 import re
 import shutil
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,14 +31,18 @@ if TYPE_CHECKING:
     import warp as wp
 
 SEAL_NAME = "weavesim.seal"
-# What Warp loads: object files of a CPU, binaries of a GPU, and what it knows about a module.
-LOADED = (".o", ".ptx", ".cubin", ".meta")
+# What Warp loads: object files of a CPU, binaries of a GPU, and what it knows about a module; and samples of tools.
+LOADED = (".o", ".ptx", ".cubin", ".meta", ".npy")
+# Begins the names of folders with samples of tools, which are modules in all but that Warp does not load them.
+SAMPLES = "samples_"
 # A kernel of a run takes up to this much.
 PROBE_SIZE = 1 << 20
 
 # Beyond this size [bytes] modules that no run has loaded for this long [s] are removed.
 LARGEST_SIZE = 1 << 30
 UNUSED_AGE = 24.0 * 3600.0
+# The same of samples of tools, of which somebody who tries many makes gigabytes a day [s].
+SAMPLES_AGE = 3600.0
 
 # Our folders in the cache, one per kind of processor; others may keep theirs beside them.
 OWN_FOLDER = re.compile(r"[0-9a-f]{12}")
@@ -112,6 +118,76 @@ def ensure_room() -> None:
         use_temporary(error)
 
 
+class _Open(set[Any]):
+    """Functions that are being hashed.
+
+    Attributes:
+        circle_count: how often one was met that was being hashed.
+        circular: functions whose hash depends on which one of a circle of calls is hashed first.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.circle_count, self.circular = 0, set[Any]()
+
+    def __contains__(self, function: object) -> bool:
+        found = super().__contains__(function)
+        self.circle_count += found
+        return found
+
+
+_hashing = threading.local()  # known: hashes of functions, for the thread that is in ``hashed_once``
+
+
+@contextmanager
+def hashed_once() -> Iterator[None]:
+    """Have Warp hash a device function once for all kernels that this thread hashes here, not for each that calls it.
+
+    Hashes are what they would be. What functions refer to must not change meanwhile; they may get further overloads:
+    then all is hashed again. One thread at a time, see ``exclusive``.
+    """
+    if getattr(_hashing, "known", None) is not None:
+        yield
+        return
+    context: Any = import_module("warp._src.context")
+    plain: Any = context.ModuleHasher
+    add_overload = context.Function.add_overload
+
+    class Hasher(plain):
+        functions_in_progress: set[Any]
+
+        def hash_function(self, function: Any) -> bytes:
+            known: dict[Any, bytes] | None = getattr(_hashing, "known", None)
+            if known is None:
+                return bytes(super().hash_function(function))
+            if function not in known:
+                if not isinstance(self.functions_in_progress, _Open):
+                    self.functions_in_progress = _Open()
+                open_ones: Any = self.functions_in_progress
+                before = open_ones.circle_count
+                digest = bytes(super().hash_function(function))
+                if open_ones.circle_count > before or function in open_ones.circular:
+                    open_ones.circular.add(function)
+                    open_ones.circle_count += 1  # for what calls it
+                    return digest
+                known[function] = digest
+            return known[function]
+
+    def add(function: Any, overload: Any) -> None:
+        # a struct gives constructors to itself only, when it is made
+        if function is not overload and not function.is_builtin() and getattr(_hashing, "known", None):
+            _hashing.known.clear()
+        add_overload(function, overload)
+
+    _hashing.known = {}
+    context.ModuleHasher, context.Function.add_overload = Hasher, add
+    try:
+        yield
+    finally:
+        context.ModuleHasher, context.Function.add_overload = plain, add_overload
+        _hashing.known = None
+
+
 @dataclass(frozen=True)
 class Module:
     """A compiled module in the cache: its folder, its size [bytes], and when a run loaded it last [s since 1970]."""
@@ -119,6 +195,11 @@ class Module:
     folder: Path
     size: int
     used: float
+
+    @property
+    def has_samples(self) -> bool:
+        """Whether it has samples of tools, not kernels."""
+        return self.folder.name.startswith(SAMPLES)
 
 
 def modules(folder: Path) -> list[Module]:
@@ -136,12 +217,15 @@ def modules(folder: Path) -> list[Module]:
 def remove_unused(folder: Path, largest_size: int = LARGEST_SIZE, unused_age: float = UNUSED_AGE) -> None:
     """Remove the modules that were not used for longest until the rest is within ``largest_size`` [bytes].
 
-    Those used within ``unused_age`` [s] stay: another run may be about to load them.
+    Samples of tools go before kernels, which take longer to make. Those used within ``unused_age`` [s] stay, samples
+    for an hour: another run may be about to load them.
     """
     every = modules(folder)
     excess, now = sum(module.size for module in every) - largest_size, time.time()
-    for module in sorted(every, key=lambda one: one.used):
-        if excess <= 0 or now - module.used < unused_age:
+    spared = {True: min(unused_age, SAMPLES_AGE), False: unused_age}
+    old = [module for module in every if now - module.used >= spared[module.has_samples]]
+    for module in sorted(old, key=lambda one: (not one.has_samples, one.used)):
+        if excess <= 0:
             return
         shutil.rmtree(module.folder, ignore_errors=True)
         excess -= module.size

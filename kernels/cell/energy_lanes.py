@@ -16,17 +16,8 @@ from warp import float64 as real
 
 from ..formula.values import Unreadable
 from ..formula.writer import Constants, lane_loop
-from ..lanes import (
-    ALL_LANE_TYPES,
-    CPU_LANE_COUNT,
-    GPU_LANE_COUNT,
-    fill,
-    lane_maximum,
-    lane_types,
-    larger,
-    magnitude,
-    where_positive,
-)
+from ..lane_types import ALL_LANE_TYPES, CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types
+from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .cell_formulas import STRAIN_COUNT, CellFormulas, StateRows, cell_formulas
 from .energy_cell import CellFunctions, energy_cell

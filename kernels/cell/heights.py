@@ -9,7 +9,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, inverses, lane_maximum, larger, magnitude, smaller, where_positive
+from ..lanes import fill, from_rows, inverses, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .law import MAXIMUM_ITERATIONS
 from .yarn import ELONGATION, MOMENT, STIFFNESS, yarn_expansion, yarn_forces, yarn_remainder
@@ -47,11 +47,11 @@ def yarn_pair(cell: Any, u1: Any, u2: Any, w: Any):
     by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w[0])
     by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w[1])
     return (
-        wp.matrix_from_rows(by_u1, by_u2),
-        wp.matrix_from_rows(by_w1, by_w2),
-        wp.matrix_from_rows(hessian1, hessian2),
-        wp.matrix_from_rows(elastic1, elastic2),
-        wp.matrix_from_rows(size1, size2),
+        from_rows(by_u1, by_u2),
+        from_rows(by_w1, by_w2),
+        from_rows(hessian1, hessian2),
+        from_rows(elastic1, elastic2),
+        from_rows(size1, size2),
         state1,
         state2,
     )
@@ -73,7 +73,7 @@ def regular_parts(cell: Any, hessian: Any, elastic: Any, stiffness: Any):
     floor = fill(stiffness, cell.stiffness_floor)
     own1 = where_positive(definite, hessian[0], elastic[0] + floor)
     own2 = where_positive(definite, hessian[1], elastic[1] + floor)
-    return wp.matrix_from_rows(own1, own2), definite
+    return from_rows(own1, own2), definite
 
 
 @wp.func
@@ -85,9 +85,7 @@ def yielding(own: Any, stiffness: Any, inverse: Any, force: Any, pressed: Any):
     apart = stiffness * (force[1] - force[0])
     pressed1 = own[1] * pressed[0]
     pressed2 = own[0] * pressed[1]
-    return wp.matrix_from_rows(
-        (apart - pressed1) * inverse, -((apart + pressed2) * inverse), -((pressed1 + pressed2) * inverse)
-    )
+    return from_rows((apart - pressed1) * inverse, -((apart + pressed2) * inverse), -((pressed1 + pressed2) * inverse))
 
 
 @wp.func
@@ -101,7 +99,7 @@ def pair_expansion(cell: Any, state1: Any, state2: Any):
     """``yarn_expansion`` of both: uw, uww, www."""
     uw1, uww1, www1 = yarn_expansion(cell, 0, state1)
     uw2, uww2, www2 = yarn_expansion(cell, 1, state2)
-    return wp.matrix_from_rows(uw1, uw2), wp.matrix_from_rows(uww1, uww2), wp.matrix_from_rows(www1, www2)
+    return from_rows(uw1, uw2), from_rows(uww1, uww2), from_rows(www1, www2)
 
 
 @wp.func
@@ -109,9 +107,7 @@ def follow_strains(own: Any, stiffness: Any, inverse: Any, uw: Any):
     """Derivatives of w_1 and w_2 by u_1 and u_2 in equilibrium, -H^-1 Pi_wu: w_1 by both, w_2 by both."""
     warp = uw[0] * inverse
     weft = uw[1] * inverse
-    return wp.matrix_from_rows(
-        -((own[1] + stiffness) * warp), stiffness * weft, stiffness * warp, -((own[0] + stiffness) * weft)
-    )
+    return from_rows(-((own[1] + stiffness) * warp), stiffness * weft, stiffness * warp, -((own[0] + stiffness) * weft))
 
 
 @wp.func
@@ -119,7 +115,7 @@ def third_order(cell: Any, state1: Any, state2: Any, own: Any, stiffness: Any, i
     """What the third derivatives add to Newton's step, -H^-1 Pi_www d d/2, the derivatives uw, uww, and dw/du."""
     half = inverse.dtype(0.5)
     uw, uww, www = pair_expansion(cell, state1, state2)
-    bent = wp.matrix_from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
+    bent = from_rows(half * www[0] * newton[0] * newton[0], half * www[1] * newton[1] * newton[1])
     return yielding(own, stiffness, inverse, bent, bent), uw, uww, follow_strains(own, stiffness, inverse, uw)
 
 
@@ -139,7 +135,7 @@ def pair_remainder(cell: Any, state1: Any, state2: Any, closing: Any, closed: An
     beyond = beyond1 + beyond2
     if cell.unilateral == 1:
         beyond = beyond + cell.contact_stiffness * larger(where_positive(closing, -closed, closed), fill(closing, 0.0))
-    return beyond, wp.matrix_from_rows(change1, change2), wp.matrix_from_rows(stretched1, stretched2)
+    return beyond, from_rows(change1, change2), from_rows(stretched1, stretched2)
 
 
 @wp.func
@@ -185,7 +181,7 @@ def short_of_kinks(
         curvature = own[0] * newton[0] * newton[0] + own[1] * newton[1] * newton[1] + stiffness * closing * closing
         share = until_taut(cell, 0, state1[ELONGATION], stretched[0], curvature)
         share = smaller(share, until_taut(cell, 1, state2[ELONGATION], stretched[1], curvature))
-        step = wp.matrix_from_rows(share * newton[0], share * newton[1], share * closing)
+        step = from_rows(share * newton[0], share * newton[1], share * closing)
     return step
 
 
@@ -265,7 +261,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
     w = start
     zero = fill(u1, 0.0)
     closing = rounded_closing(cell, w)
-    step = wp.matrix_from_rows(zero, zero, zero)
+    step = from_rows(zero, zero, zero)
     slope = zero  # directional derivative at the start of the step, <= 0
     force = type(start)()
     crossover = zero
@@ -281,7 +277,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
         inverse, inverse_size = inverses(own[0] * own[1] + stiffness * (own[0] + own[1]), size)
         unbalanced = larger(magnitude(by_w[0] + pressure), magnitude(by_w[1] + pressure))
         residual = unbalanced * inverse_size
-        newton = yielding(own, stiffness, inverse, by_w, wp.matrix_from_rows(by_w[0] + pressure, by_w[1] + pressure))
+        newton = yielding(own, stiffness, inverse, by_w, from_rows(by_w[0] + pressure, by_w[1] + pressure))
         extra, uw, uww, slopes = third_order(cell, state1, state2, own, stiffness, inverse, newton)
         closed = settled_closing(own, inverse, by_w, closing) + extra[CLOSING]
         # residual after both: the ratio of the two parts once more, and terms beyond the third derivatives

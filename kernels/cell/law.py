@@ -7,7 +7,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import lane_types
+from ..lane_types import lane_types
 
 LARGEST_UNKNOWN_COUNT = 4
 # Largest number of Newton iterations of a cell in one step; the remainder is reported as its residual.

@@ -14,7 +14,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, lane_maximum, larger, magnitude, smaller, where_positive
+from ..lanes import fill, from_rows, lane_maximum, larger, magnitude, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .heights import contact_stiffness, regular_parts, rounded_closing, settled_closing, solve_unit_cell
 from .law import CellLaw
@@ -83,11 +83,11 @@ def exact_closing(cell: Any, u1: Any, u2: Any, w: Any):
     by_u1, by_w1, hessian1, elastic1, size1, state1 = yarn_forces(cell, 0, u1, w[0])
     by_u2, by_w2, hessian2, elastic2, size2, state2 = yarn_forces(cell, 1, u2, w[1])
     stiffness = contact_stiffness(cell, closing)
-    hessian = wp.matrix_from_rows(hessian1, hessian2)
-    own, definite = regular_parts(cell, hessian, wp.matrix_from_rows(elastic1, elastic2), stiffness)
+    hessian = from_rows(hessian1, hessian2)
+    own, definite = regular_parts(cell, hessian, from_rows(elastic1, elastic2), stiffness)
     inverse = fill(u1, 1.0) / larger(own[0] * own[1] + stiffness * (own[0] + own[1]), fill(u1, 1.0e-36))
     known = magnitude(closing) - u1.dtype(1.0e3) * cell.resolution * (magnitude(w[0]) + magnitude(w[1]))
-    settled = settled_closing(own, inverse, wp.matrix_from_rows(by_w1, by_w2), closing)
+    settled = settled_closing(own, inverse, from_rows(by_w1, by_w2), closing)
     return where_positive(known, closing, settled)
 
 
@@ -167,9 +167,7 @@ def follow(cell: Any, change1: Any, change2: Any, slopes: Any, last: Any):
     # not a number compares false
     near = smaller(limit - magnitude(moved1), limit - magnitude(moved2))
     zero = fill(change1, 0.0)
-    return wp.matrix_from_rows(
-        last[0] + where_positive(near, moved1, zero), last[1] + where_positive(near, moved2, zero)
-    )
+    return from_rows(last[0] + where_positive(near, moved1, zero), last[1] + where_positive(near, moved2, zero))
 
 
 @wp.func
@@ -178,7 +176,7 @@ def energies(cell: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: An
         cell, cell.half_spacing[0] * strain1, cell.half_spacing[1] * strain2, cell.per_length_unit * q
     )
     unit = energy_unit(cell) * area
-    return wp.matrix_from_rows(unit * warp, unit * weft, unit * bending, unit * contact)
+    return from_rows(unit * warp, unit * weft, unit * bending, unit * contact)
 
 
 @wp.func

@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import lane_types
+from ..lane_types import lane_types
 from ..rows import CellForceRow, ConvergenceRow, StrainRow, TangentRow
 from .law import CellLaw, cell_answer_struct, tangent_struct
 

@@ -4,7 +4,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, fill, inverses, larger, magnitude, square_root, where_positive
+from ..angles import angle_of
+from ..lanes import fill, from_rows, inverses, larger, magnitude, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 
 # Rows of a yarn's state, from which its higher derivatives are computed: l - l0, axial stiffness [N/m], moment [N m],
@@ -62,7 +63,7 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
     # reference size of the residual
     size = magnitude(axial * sine) + magnitude(shear * cosine)
-    state = wp.matrix_from_rows(elongation, stiffness, moment, cosine, sine, inverse_length)
+    state = from_rows(elongation, stiffness, moment, cosine, sine, inverse_length)
     return by_u, by_w, elastic + geometric, elastic, size, state
 
 

@@ -4,7 +4,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, lane_maximum, lane_types, smaller, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, from_rows, in_every_lane, lane_maximum, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ToolPoseRow
 from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct
@@ -115,12 +116,12 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
 def surface_speed_functions(real: type, lane_count: int):
     """Functions for the velocity of a tool at points, a bound of it, and a friction spring that turns with the tool."""
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes3, vec3 = types.lanes3, types.vec3
     Pose = pose_struct(real)
 
     @wp.func
     def turning(spin: vec3, arm: lanes3):
-        return wp.matrix_from_rows(
+        return from_rows(
             spin[1] * arm[2] - spin[2] * arm[1],
             spin[2] * arm[0] - spin[0] * arm[2],
             spin[0] * arm[1] - spin[1] * arm[0],
@@ -129,10 +130,7 @@ def surface_speed_functions(real: type, lane_count: int):
     @wp.func
     def velocity_at(pose: Pose, arm: lanes3):
         """Of the points of the tool at ``arm`` from its pivot."""
-        velocity = turning(pose.spin, arm)
-        for c in range(3):
-            velocity[c] = velocity[c] + lanes(pose.velocity[c])
-        return velocity
+        return turning(pose.spin, arm) + in_every_lane(arm, pose.velocity)
 
     @wp.func
     def largest_speed(pose: Pose, arm: lanes3):

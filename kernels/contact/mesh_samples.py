@@ -9,7 +9,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import ALL_LANE_TYPES, fill, larger, where_positive
+from ..lane_types import ALL_LANE_TYPES
+from ..lanes import fill, larger, where_positive
 from ..records import SCALAR, vector_of
 from .nearest_triangle import NearestTriangles, nearest_in_cell
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, larger, scale, smaller, square_root, where_positive
+from ..lanes import fill, from_rows, larger, scale, smaller, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .tool_shapes import ShapeKind, dome_opening_distance, number, safe_inverse
 
@@ -19,7 +19,7 @@ def sector_distance(part: Any, p: Any):
     later = where_positive(end - begin, one, zero)
     normal_x = number(part, 0) * (one - later) + number(part, 2) * later
     normal_y = number(part, 1) * (one - later) + number(part, 3) * later
-    return larger(begin, end), wp.matrix_from_rows(normal_x, normal_y, zero)
+    return larger(begin, end), from_rows(normal_x, normal_y, zero)
 
 
 @wp.func

@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, larger, scale, square_root, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, fill, larger, scale, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 
 

@@ -7,7 +7,9 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_types, smaller, where_positive
+from ..lane_types import lane_types
+from ..lanes import fill, in_every_lane, smaller, where_positive
+from ..operators import add, div, mul, sub  # noqa: F401
 from .friction import tool_friction_struct
 from .mesh_samples import sampled_clearance
 from .tool_shapes import SHAPE_KINDS, number, part_struct, shape_kind, shape_number
@@ -60,12 +62,12 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     if len(numbers) < len(set(shape_kinds)):
         raise ValueError(f"two of {', '.join(shape_kinds)} have the same number; rename the module of one")
     types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
+    lanes3 = types.lanes3
     ToolPart = part_struct(real)
 
     @wp.func
     def part_of_no_kind(part: ToolPart, p: lanes3):
-        return lanes(real(wp.nan)), lanes3()
+        return fill(p[0], wp.nan), p
 
     def with_kind(number: int, distance_of: wp.Function, others: wp.Function) -> wp.Function:
         # One function per kind, each calling the next: a loop over wp.static(kinds[k]) would be shorter, but Warp 1.19
@@ -104,16 +106,13 @@ def part_clearance_function(real: type, lane_count: int):
 def away_function(real: type, lane_count: int):
     """wp.func (centre, x, remainder) -> x + remainder - centre, exact to the rounding of the result."""
     types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
+    lanes3, vec3 = types.lanes3, types.vec3
 
     @wp.func
     def away(centre: wp.vec3d, x: lanes3, remainder: lanes3):
-        p = lanes3()
-        for c in range(3):
-            near = real(centre[c])
-            rest = real(centre[c] - wp.float64(near))
-            p[c] = (x[c] - lanes(near)) + (remainder[c] - lanes(rest))
-        return p
+        near = vec3(centre)
+        rest = vec3(centre - wp.vec3d(near))
+        return (x - in_every_lane(x, near)) + (remainder - in_every_lane(x, rest))
 
     return away
 

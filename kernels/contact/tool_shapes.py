@@ -17,7 +17,7 @@ from zlib import crc32
 
 import warp as wp
 
-from ..lanes import fill, larger, magnitude, smaller, square_root, where_positive
+from ..lanes import fill, from_rows, larger, magnitude, smaller, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .mesh_samples import volume_distance
 
@@ -66,14 +66,14 @@ def segment_distance(x: Any, y: Any, z: Any, half_length: Any, radius: Any):
     length = square_root(out * out + z * z)
     inverse = safe_inverse(length)
     distance = length - fill(x, radius)
-    return distance, wp.matrix_from_rows(along * inverse, across * inverse, z * inverse)
+    return distance, from_rows(along * inverse, across * inverse, z * inverse)
 
 
 @wp.func
 def plane_distance(part: Any, p: Any):
     """Solid z < 0."""
     zero = fill(p[2], 0.0)
-    return p[2], wp.matrix_from_rows(zero, zero, fill(p[2], 1.0))
+    return p[2], from_rows(zero, zero, fill(p[2], 1.0))
 
 
 @wp.func
@@ -106,7 +106,7 @@ def torus_distance(part: Any, p: Any):
     inverse = safe_inverse(length)
     inverse_out = safe_inverse(out)
     distance = length - fill(x, part.radius)
-    return distance, wp.matrix_from_rows(a * inverse * x * inverse_out, a * inverse * y * inverse_out, z * inverse)
+    return distance, from_rows(a * inverse * x * inverse_out, a * inverse * y * inverse_out, z * inverse)
 
 
 @wp.func
@@ -133,7 +133,7 @@ def dome_opening_distance(part: Any, p: Any):
     wall_nearer = where_positive(-a - b, one, zero)
     normal_out = where_positive(corner, wall * inverse_corner, -wall_nearer)
     normal_up = where_positive(corner, top * inverse_corner, one - wall_nearer)
-    return distance, wp.matrix_from_rows(normal_out * along * inverse_out, normal_out * across * inverse_out, normal_up)
+    return distance, from_rows(normal_out * along * inverse_out, normal_out * across * inverse_out, normal_up)
 
 
 @wp.func
@@ -159,7 +159,7 @@ def dome_cavity_distance(part: Any, p: Any):
         z, -(wall * inverse_high) * inverse_out, where_positive(top_nearer, zero, -inverse_deep)
     )
     normal_up = where_positive(z, z * inverse_high, where_positive(top_nearer, one, -(z * inverse_deep)))
-    return distance, wp.matrix_from_rows(normal_out * along, normal_out * across, normal_up)
+    return distance, from_rows(normal_out * along, normal_out * across, normal_up)
 
 
 # Fields of the part that a kind may have among its dimensions.

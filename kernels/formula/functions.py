@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..lanes import arctangent_coefficients
+from ..angles import arctangent_coefficients
 
 RIGHT_ANGLE = 1.5707963267948966
 # Tangent of 22.5 degrees.

@@ -9,7 +9,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import cross, dot, lane_sum, lane_types, scale
+from ..lane_types import lane_types
+from ..lanes import cross, dot, lane_sum, scale
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record4, store_record4, vector_of
 from ..rows import CORNER_ROW_COUNT, ROWS_PER_CORNER, ClockEntry, CornerRow, MotionRow

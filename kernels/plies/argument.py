@@ -5,7 +5,8 @@ from functools import cache
 import warp as wp
 
 from ..contact.friction import NO_ARGUMENT, YARN_ANGLE, friction_law_struct, law_argument, widened
-from ..lanes import dot, fill, lane_types, magnitude, scale, smaller, square_root
+from ..lane_types import lane_types
+from ..lanes import dot, fill, magnitude, scale, smaller, square_root
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import MotionRow, PlyRow
 from .data import record_struct, slaves_struct

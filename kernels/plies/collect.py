@@ -10,7 +10,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, lane_maximum, lane_types
+from ..lane_types import lane_types
+from ..lanes import dot, lane_maximum
 from ..pass_entries import PassEntry
 from ..records import record3
 from ..rows import MOTION_RECORD_LENGTH, MotionRow, PlyRow

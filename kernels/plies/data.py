@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 
 from ..contact.friction import friction_law_struct
-from ..lanes import GPU_LANE_COUNT, lane_types
+from ..lane_types import GPU_LANE_COUNT, lane_types
 from .facet import facets_struct
 
 # Way of nodes without a foot that never seek one by themselves [m].

@@ -13,19 +13,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import (
-    CPU_LANE_COUNT,
-    GPU_LANE_COUNT,
-    dot,
-    fill,
-    lane_maximum,
-    lane_types,
-    larger,
-    magnitude,
-    scale,
-    smaller,
-    where_positive,
-)
+from ..lane_types import CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types
+from ..lanes import dot, fill, lane_maximum, larger, magnitude, scale, smaller, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import gather4, vector_of
 from ..rows import MotionRow

@@ -6,12 +6,12 @@ import warp as wp
 
 from ..contact.friction import YARN_ANGLE, table_function
 from ..contact.penalty import friction_spring, normal_force
+from ..lane_types import lane_types
 from ..lanes import (
     cross,
     dot,
     fill,
     lane_maximum,
-    lane_types,
     larger,
     magnitude,
     rows3,

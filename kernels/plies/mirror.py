@@ -9,18 +9,8 @@ from functools import cache
 import warp as wp
 
 from ..contact.penalty import normal_force
-from ..lanes import (
-    fill,
-    lane_maximum,
-    lane_types,
-    larger,
-    magnitude,
-    rows3,
-    smaller,
-    step_options,
-    store_rows3,
-    where_positive,
-)
+from ..lane_types import lane_types, step_options
+from ..lanes import fill, lane_maximum, larger, magnitude, rows3, smaller, store_rows3, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import record3, store_record4

@@ -8,7 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_maximum, lane_types, rows3, square_root, step_options, store_rows3, where_positive
+from ..lane_types import lane_types, step_options
+from ..lanes import dot, fill, lane_maximum, rows3, square_root, store_rows3, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4

@@ -10,7 +10,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import cross, dot, fill, lane_types, larger, scale, square_root, step_options
+from ..lane_types import lane_types, step_options
+from ..lanes import cross, dot, fill, larger, scale, square_root
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import gather4, record3, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, MotionRow

@@ -9,7 +9,7 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_types
+from ..lane_types import lane_types
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..rows import MotionRow, PlyRow

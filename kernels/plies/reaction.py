@@ -8,7 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types, scale, step_options
+from ..lane_types import CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types, step_options
+from ..lanes import scale
 from ..pass_entries import PassEntry
 from ..records import SCALAR, gather4, record4, store_record4, vector_of
 from ..rows import CORNER_ROW_COUNT, PLY_RECORD_LENGTH, ROWS_PER_CORNER, CornerRow, PlyRow

@@ -8,7 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_maximum, lane_types
+from ..lane_types import lane_types
+from ..lanes import lane_maximum
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of

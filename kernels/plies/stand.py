@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import cross, dot, fill, lane_types, magnitude, scale, square_root, where_positive
+from ..lane_types import lane_types
+from ..lanes import cross, dot, fill, magnitude, scale, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, MotionRow, PlyRow

@@ -8,7 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, fill, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, record3, record4, vector_of
 from .data import slaves_struct

@@ -9,7 +9,8 @@ from typing import Any
 import warp as wp
 
 from ..curve import book_loss, slide, spring_energy
-from ..lanes import fill, lane_types
+from ..lane_types import lane_types
+from ..lanes import fill
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import SlipRow
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, larger, square_root
+from ..lane_types import lane_types
+from ..lanes import dot, fill, larger, square_root
 from ..laws.contract import BendingDevice, device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CurvatureRow, TransverseShearRow

@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import fill, lane_types, larger, square_root, where_positive
+from ..lane_types import lane_types
+from ..lanes import fill, larger, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 
 # A norm of H^16 bounds the eigenvalues of H.

@@ -8,7 +8,8 @@ import warp as wp
 from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
 from ..curve import spring_energy
-from ..lanes import dot, fill, lane_types, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, fill, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow, ElementField, MotionRow, ResultantRow, SheetEnergy, SlipRow

@@ -4,7 +4,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import lane_types, larger, magnitude, smaller
+from ..lane_types import lane_types
+from ..lanes import larger, magnitude, smaller
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ExtremeRow, MotionRow
 from .kinematics import (

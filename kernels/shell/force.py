@@ -7,7 +7,8 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
-from ..lanes import GPU_LANE_COUNT, expect, expect_rows, fill, lane_types, scale, step_options, where_positive
+from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
+from ..lanes import expect, expect_rows, fill, negative, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4
@@ -81,16 +82,15 @@ def store_corners_function(has_scalar: bool):
         diagonal_q = corner_difference(shape.bq1, shape.bq2, v.by1, v.by2)
         one = fill(shape.offset_p, 1.0)
         for corner in range(4):
-            value = type(v.mean)()
-            for i in range(3):
-                if corner == 0:
-                    value[i] = -(diagonal_p[i] + (one - shape.offset_p) * v.hourglass[i] + v.mean[i])
-                elif corner == 1:
-                    value[i] = -(diagonal_q[i] - (one + shape.offset_q) * v.hourglass[i] + v.mean[i])
-                elif corner == 2:
-                    value[i] = diagonal_p[i] - (one + shape.offset_p) * v.hourglass[i] - v.mean[i]
-                else:
-                    value[i] = diagonal_q[i] + (one - shape.offset_q) * v.hourglass[i] - v.mean[i]
+            value = v.mean
+            if corner == 0:
+                value = negative(diagonal_p + scale(one - shape.offset_p, v.hourglass) + v.mean)
+            elif corner == 1:
+                value = negative(diagonal_q - scale(one + shape.offset_q, v.hourglass) + v.mean)
+            elif corner == 2:
+                value = diagonal_p - scale(one + shape.offset_p, v.hourglass) - v.mean
+            else:
+                value = diagonal_q + scale(one - shape.offset_q, v.hourglass) - v.mean
             if wp.static(has_scalar):
                 store_record4(target, CORNER_ROW_COUNT, row + corner * ROWS_PER_CORNER, block, value, scalar)
             else:

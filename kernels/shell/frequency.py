@@ -7,7 +7,8 @@ import warp as wp
 
 from ..cell.law import CellLaw, tangent_struct
 from ..cell.newton import emitted_late
-from ..lanes import dot, fill, lane_types, larger, magnitude, square_root, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, fill, larger, magnitude, square_root, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ClockEntry, InertiaRow, MotionRow

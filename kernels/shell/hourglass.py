@@ -5,7 +5,8 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, scale
+from ..lane_types import lane_types
+from ..lanes import dot, fill, scale
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import HourglassRow
 

@@ -13,7 +13,9 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import angle_of, cross, dot, fill, inverses, lane_types, pick, scale, square_root
+from ..angles import angle_of
+from ..lane_types import lane_types
+from ..lanes import cross, dot, fill, from_rows, inverses, pick, scale, square_root
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, vector_of
 from ..rows import CurvatureRow, GradientRow, MotionRow, OffsetRow, TransverseShearRow
@@ -184,7 +186,7 @@ def element_positions(elements: Any, block: int, shape: Any, motion: Any):
     v3 = (vector_of(p3) - x1) + (corner_vector(elements, block, 2, motion, MotionRow.remainder) - r1)
     v4 = (vector_of(p4) - x1) + (corner_vector(elements, block, 3, motion, MotionRow.remainder) - r1)
     by1, by2, mean, hourglass = corner_vectors(shape, type(x1)(), v2, v3, v4)
-    return by1, by2, mean, hourglass, wp.matrix_from_rows(p1[SCALAR], p2[SCALAR], p3[SCALAR], p4[SCALAR])
+    return by1, by2, mean, hourglass, from_rows(p1[SCALAR], p2[SCALAR], p3[SCALAR], p4[SCALAR])
 
 
 @cache
@@ -309,7 +311,7 @@ def mean_angle(elements: Any, block: int, corner: int, motion: Any):
 @wp.func
 def mean_angles(elements: Any, block: int, motion: Any):
     """Mean shear angles at the corners, a row for each, as ``positions`` returns them too."""
-    return wp.matrix_from_rows(
+    return from_rows(
         mean_angle(elements, block, 0, motion),
         mean_angle(elements, block, 1, motion),
         mean_angle(elements, block, 2, motion),

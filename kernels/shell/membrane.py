@@ -7,7 +7,8 @@ import warp as wp
 
 from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
-from ..lanes import GPU_LANE_COUNT, fill, inverses, lane_maximum, larger, where_positive
+from ..lane_types import GPU_LANE_COUNT
+from ..lanes import fill, from_rows, inverses, lane_maximum, larger, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow
@@ -36,7 +37,7 @@ def unknowns_function(real: type, lane_count: int, cell: CellLaw):
 @wp.func
 def last_slopes(report: Any, block: int):
     """Derivatives of the unknowns by the strains, as the cell told them at the last step."""
-    return wp.matrix_from_rows(
+    return from_rows(
         report[CellReportRow.first_by_warp, block],
         report[CellReportRow.first_by_weft, block],
         report[CellReportRow.second_by_warp, block],

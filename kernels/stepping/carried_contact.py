@@ -7,7 +7,8 @@ import warp as wp
 from ..contact.carried_pose import posed_distance_function, read_pose_function, surface_speed_functions
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import away_function, tool_set_struct
-from ..lanes import cross, lane_maximum, lane_sum, lane_types, larger, rows3, store_rows3
+from ..lane_types import lane_types
+from ..lanes import cross, lane_maximum, lane_sum, larger, rows3, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct

@@ -5,7 +5,8 @@ from functools import cache
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import dot, lane_types, rows3, step_options
+from ..lane_types import lane_types, step_options
+from ..lanes import dot, rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow

@@ -6,7 +6,8 @@ from typing import Any
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import cross, dot, fill, lane_maximum, lane_types, load, scale, store, store_rows3, where_positive
+from ..lane_types import lane_types
+from ..lanes import cross, dot, fill, in_every_lane, lane_maximum, load, scale, store, store_rows3, where_positive
 from ..machine import following
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4
@@ -49,9 +50,7 @@ def translate_function(real: type, lane_count: int, loaded: bool):
     ):
         block = present.block
         pushed = scale(present.inverse_mass, force)
-        steady = lanes3()
-        for c in range(3):
-            steady[c] = lanes(laws.gravity[c])
+        steady = in_every_lane(force, laws.gravity)
         if wp.static(loaded):
             steady = steady + scale(present.inverse_mass, applied_force)
         free = freedom_mask(present.freedom, 0, lanes3())

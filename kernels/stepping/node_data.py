@@ -6,7 +6,7 @@ from functools import cache
 import warp as wp
 
 from ..contact.tool_distance import tool_set_struct
-from ..lanes import lane_types
+from ..lane_types import lane_types
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from functools import cache
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import GPU_LANE_COUNT, cross, lane_maximum, lane_types, load, where_positive
+from ..lane_types import GPU_LANE_COUNT, lane_types
+from ..lanes import cross, lane_maximum, load, where_positive
 from ..machine import following
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, vector_of

@@ -5,7 +5,7 @@ from functools import cache
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lanes import lane_types
+from ..lane_types import lane_types
 
 
 @cache

@@ -5,7 +5,7 @@ from typing import Any
 
 import warp as wp
 
-from ..lanes import lane_types
+from ..lane_types import lane_types
 from ..rows import ClockEntry
 
 # A step that shrinks goes to this share of the limit, so that it need not shrink again at once.

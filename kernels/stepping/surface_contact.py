@@ -10,7 +10,8 @@ import warp as wp
 
 from ..contact.carried_pose import read_pose_function, surface_speed_functions
 from ..contact.tool_distance import away_function, tool_set_struct
-from ..lanes import dot, lane_maximum, lane_types, rows3, step_options, store_rows3
+from ..lane_types import lane_types, step_options
+from ..lanes import dot, lane_maximum, rows3, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4
 from ..rows import (

@@ -8,7 +8,8 @@ from functools import cache
 
 import warp as wp
 
-from ..lanes import dot, fill, lane_types, larger, scale, square_root
+from ..lane_types import lane_types
+from ..lanes import dot, fill, larger, scale, square_root
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, gather4, scatter4, vector_of
 from ..rows import ROWS_PER_CORNER, CornerRow, MotionRow

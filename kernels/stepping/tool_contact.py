@@ -6,7 +6,8 @@ import warp as wp
 
 from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
-from ..lanes import dot, lane_maximum, lane_sum, lane_types, larger, rows3, scale, store_rows3
+from ..lane_types import lane_types
+from ..lanes import dot, lane_maximum, lane_sum, larger, rows3, scale, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ClockEntry, NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct

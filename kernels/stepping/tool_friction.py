@@ -7,7 +7,8 @@ import warp as wp
 from ..contact.friction import NO_ARGUMENT, law_argument, table_function, tool_friction_struct, widened
 from ..contact.penalty import friction_spring, touch_struct
 from ..contact.tool_distance import tool_set_struct
-from ..lanes import dot, lane_types, larger, rows3, scale, square_root, where_positive
+from ..lane_types import lane_types
+from ..lanes import dot, larger, rows3, scale, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .node_data import node_laws_struct, present_struct
 

@@ -6,7 +6,7 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..contact.penalty import touch_struct
-from ..lanes import lane_types
+from ..lane_types import lane_types
 from ..loads.grippers import Grips
 from ..shell.frequency import step_bounds_struct
 from ..shell.kinematics import element_struct

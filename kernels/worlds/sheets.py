@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from ..cell.law import CellLaw
-from ..lanes import step_options
+from ..lane_types import step_options
 from ..loads.grippers import grip_function
 from ..shell.extremes import element_extremes_function
 from ..shell.force import element_force_function

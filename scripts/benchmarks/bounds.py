@@ -50,7 +50,7 @@ def multiply_add_rate(precision: str, turns: int) -> float:
     import warp as wp
 
     from weavesim.device import initialise, resolve_precision
-    from weavesim.kernels.lanes import CPU_LANE_COUNT, lane_types
+    from weavesim.kernels.lane_types import CPU_LANE_COUNT, lane_types
 
     initialise()
     real = resolve_precision(precision).real

@@ -43,7 +43,7 @@ from .results.export import export_command
 from .results.film import film_command
 from .results.kinematic import kinematic_command
 from .results.verdict import verdict_command
-from .session import announce_compilation, announced, interruptible, uncollected
+from .session import announce_compilation, announced, ends_uncollected, interruptible, uncollected
 from .study_command import study_command
 from .terminal import hold_standard_streams, let_go_of_standard_streams, say
 
@@ -74,6 +74,7 @@ add_commands(application)
 def main(*leading: str) -> None:
     """Run the command line with the ``leading`` arguments followed by those of the process; exits with a code."""
     hold_standard_streams()
+    ends_uncollected()
     try:
         with leaving_at_once():
             given = [*leading, *sys.argv[1:]]
@@ -151,7 +152,7 @@ def cache_command(
         bool, typer.Option("--clear", help="remove all compiled kernels; runs compile theirs again")
     ] = False,
 ) -> None:
-    """Show where the compiled kernels are and how much they take, or remove them."""
+    """Show where the compiled kernels and the samples of tools are and how much they take, or remove them."""
     from .. import kernel_cache
     from ..device import kernel_cache_base
 
@@ -159,7 +160,9 @@ def cache_command(
     every = {folder: kernel_cache.modules(folder) for folder in kernel_cache.own_folders(base)}
     found = {folder: modules for folder, modules in every.items() if modules}
     for folder, modules in found.items():
-        print(f"{folder}: {len(modules)} compiled kernels, {sum(module.size for module in modules) / 1e6:.0f} MB")
+        samples = sum(module.has_samples for module in modules)
+        what = f"{len(modules) - samples} compiled kernels" + (f", samples of {samples} tools" if samples else "")
+        print(f"{folder}: {what}, {sum(module.size for module in modules) / 1e6:.0f} MB")
     if clear:
         kernel_cache.clear(base)
     if not found:
@@ -286,8 +289,10 @@ def _run_to_its_end(name: str, out: Path, run: Callable[[], dict[str, Any]]) -> 
     """Run, say where the results are, and exit with a code."""
     with uncollected():
         from ..engine.compilation import side_by_side
+        from ..tools.samples.stored import samples_stored
 
-    with interruptible() as interrupted, side_by_side(partial(announce_compilation, name)), announced():
+    announce = partial(announce_compilation, name)
+    with interruptible() as interrupted, side_by_side(announce), samples_stored(), announced():
         result = run()
         number = interrupted.signal
         for line in closing_lines(result, out, number):

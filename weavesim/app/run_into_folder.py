@@ -90,8 +90,8 @@ def run_into_folder(
         simulation.stops.pass_over(job.passed if job is not None else ())
         with uncollected():
             info = simulation.prepare().info
-            if every_field:
-                WaveFilter.load()
+        if every_field:
+            folder.load_beside(WaveFilter.load)
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
@@ -124,7 +124,8 @@ def run_into_folder(
                         _numbers(simulation, folder, log, measure), setup=options if shown is None else shown
                     )
                     if simulation.outcome is Outcome.FINISHED and not summary["missing"]:
-                        folder.sync()
+                        if checkpoints.are_there:
+                            folder.sync()
                         checkpoints.remove()
     finally:
         bar.close()

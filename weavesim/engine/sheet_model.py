@@ -11,7 +11,7 @@ import warp as wp
 from ..device import Precision
 from ..errors import InputError
 from ..fabric.device import sheet_laws
-from ..kernels.lanes import LaneTypes, lane_types
+from ..kernels.lane_types import LaneTypes, lane_types
 from ..kernels.rows import (
     CORNER_ROW_COUNT,
     MOTION_RECORD_LENGTH,

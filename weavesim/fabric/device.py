@@ -9,7 +9,7 @@ import warp as wp
 
 from ..device import Precision
 from ..kernels.curve import curve_struct
-from ..kernels.lanes import lane_types
+from ..kernels.lane_types import lane_types
 from ..kernels.shell.laws import SheetTraits, sheet_laws_struct
 from .curve import CURVE_PIECE_COUNT, tabulate
 from .device_form import DeviceForm, Tabulated

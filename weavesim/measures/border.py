@@ -41,9 +41,9 @@ def symmetry_line(blank: Blank, along: str) -> MaterialLine:
     tolerance = length_tolerance(blank)
     nodes = np.flatnonzero(np.abs(across) <= tolerance)
     edges = np.concatenate([blank.quads[:, [i, (i + 1) % 4]] for i in range(4)])
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
     a, b = across[edges].T
     edges = edges[(np.minimum(a, b) < -tolerance) & (np.maximum(a, b) > tolerance)]
+    edges = np.unique(np.sort(edges, axis=1), axis=0)  # few are left of thousands
     a, b = across[edges].T
     if not len(nodes) and not len(edges):
         raise InputError(f"the blank does not cross the line along {along}: place it over the origin")

@@ -83,7 +83,8 @@ def neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
     """Keys element * node_count + node of all nodes connected to a corner of the element by at most two edges."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
     itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)
-    edges = np.unique(np.concatenate([edges, edges[:, ::-1], itself]), axis=0)
+    first, second = np.concatenate([edges, edges[:, ::-1], itself]).T
+    edges = np.stack(np.divmod(np.unique(first * node_count + second), node_count), axis=1)
     element, reached = np.repeat(np.arange(len(quads)), 4), quads.ravel().astype(np.int64)
     for _ in range(2):
         first, last = (np.searchsorted(edges[:, 0], reached, side=side) for side in ("left", "right"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,11 +21,14 @@ from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
 from .history import History
+from .loading import Loading, check_packages
 from .results import Results, Wanted, run_summary, sheet_results
 from .writer import Failures, Writer, chosen_writers
 
 # Of the log that the command line writes.
 LOG_NAME = "run.log"
+# Frames that a writer gets late while its libraries are loaded; then they are waited for.
+LARGEST_WAITING_COUNT = 64
 
 
 class ResultFolder:
@@ -83,6 +86,7 @@ class ResultFolder:
         self._resumes, self._cleared = resumes, False
         self.solver_fields = solver_fields
         self._writers: list[Writer] = []
+        self._waiting: dict[Writer, list[Callable[[Writer], None]]] = {}
         self._outcome: Outcome | None = None
         self._record: RunRecord | None = None
         check_writable(self.path)
@@ -90,8 +94,8 @@ class ResultFolder:
         self._lock = FolderLock(self.path)
         if not self._overwrite:
             check_free(self.path)
-        for kind in self._kinds:
-            kind.load()
+        check_packages(self._kinds)
+        self._loading = Loading([kind.load for kind in self._kinds])
 
     # ------------------------------------------------------------------------------------------------ before a run
 
@@ -111,6 +115,10 @@ class ResultFolder:
         kept = (LOG_NAME,) if self._resumes else ()
         remove_results(self.path, kept=kept, resumes=self._resumes or self._cleared)
         self._cleared = True
+
+    def load_beside(self, load: Callable[[], object]) -> None:
+        """Have something else call ``load``, which imports a library, beside the first steps, with the writers' own."""
+        self._loading.add(load)
 
     @property
     def writer_names(self) -> tuple[str, ...]:
@@ -145,6 +153,7 @@ class ResultFolder:
             self._try(SETUP_NAME, lambda: write_text(self.path / SETUP_NAME, setup.to_json() + "\n"))
         for curves in self._wanted.all_curves:
             curves.start(info)
+        self._waiting = {}
         self._writers = [kind(self.path, self.warnings, self.history, self.solver_fields) for kind in self._kinds]
         self._inform(lambda writer: writer.start(info))
 
@@ -154,9 +163,11 @@ class ResultFolder:
             if not curves.failed:
                 curves.failed = not self._try(f"{curves.name}.csv", partial(curves.frame, frame), "computed")
         self._inform(lambda writer: writer.frame(frame))
+        self._loading.begin()  # not before: it would hold up what is done up to the first step
 
     def finish(self, outcome: Outcome) -> None:
         self._outcome = outcome
+        self._loading.wait()
         self._inform(lambda writer: writer.finish(outcome))
 
     def add(self, path: Path) -> None:
@@ -165,14 +176,26 @@ class ResultFolder:
             self._try("run.json", partial(self._record.add, path))
 
     def _inform(self, message: Callable[[Writer], None]) -> None:
-        """Pass ``message`` to every writer; one that cannot write is abandoned."""
+        """Pass ``message`` to every writer, to one whose libraries are still loaded later; one that cannot write is
+        abandoned.
+        """
         for writer in list(self._writers):
-            with noting(self.add):
-                told = writer.attempt(writer.title, partial(message, writer))
-            if not told:
-                self._writers.remove(writer)
-                with suppress(Exception):
-                    writer.discard()
+            waiting = self._waiting.setdefault(writer, [])
+            waiting.append(message)
+            if writer.needs_load and not self._loading.has(type(writer).load):
+                if len(waiting) <= LARGEST_WAITING_COUNT:
+                    continue
+                self._loading.wait()
+            while waiting and writer in self._writers:
+                self._tell(writer, waiting.pop(0))
+
+    def _tell(self, writer: Writer, message: Callable[[Writer], None]) -> None:
+        with noting(self.add):
+            told = writer.attempt(writer.title, partial(message, writer))
+        if not told:
+            self._writers.remove(writer)
+            with suppress(Exception):
+                writer.discard()
 
     def _try(self, what: str, action: Callable[[], object], verb: str = "written") -> bool:
         """Run ``action``; a failure is noted once and costs nothing else."""
@@ -212,6 +235,7 @@ class ResultFolder:
         frame = self.history.last_frame
         if frame is None or self._record is None:
             raise InputError("results: there is no frame to write; run the simulation with this folder as observer")
+        self._loading.wait()  # a copy of the process must not be made within an import
         sheets = sheet_results(self._info, self._wanted, frame)
         given = {"run_id": self._info.run_id, **summary}
         failed = partial(self.warnings.add, verb="computed")
@@ -220,10 +244,17 @@ class ResultFolder:
         results = Results(
             self._info, self._wanted, self.history, sheets, numbers, shown, self.warnings, self.warnings.names
         )
-        with noting(self.add):
+        with noting(self.add), ExitStack() as meanwhile:
             for writer in self._writers:
                 writer.save(writer.title, partial(writer.precede, results))
-            for writer in self._writers:
+            begun = [
+                writer
+                for writer in self._writers
+                if writer.attempt(writer.title, partial(writer.begin, results, meanwhile))
+            ]
+            if self._outcome is not None:
+                self._record.hash_so_far()
+            for writer in begun:
                 writer.attempt(writer.title, partial(writer.write, results))
             if self._outcome is not None:
                 self._verify()

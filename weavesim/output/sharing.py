@@ -27,35 +27,55 @@ def can_share() -> bool:
     return sys.platform == "linux" and len(os.sched_getaffinity(0)) > 1
 
 
-def share(count: int, here: Callable[[int], object], there: Callable[[int], object]) -> set[int]:
-    """Do pieces of work 0, 1, ..., ``count`` - 1, each by whoever is free: this process, or a copy of it.
+class Sharing:
+    """Pieces of work 0, 1, ..., ``count`` - 1 that a copy of this process, if there can be one, has begun to do.
 
-    What fails in the copy, or is lost with it, is done here.
+    A context: whatever happens in it, no copy is left after it.
 
     Args:
         count: of the pieces.
-        here: does one in this process.
         there: does one in the copy, where it must leave nothing but files, print nothing, and use no device.
-
-    Returns:
-        Which pieces the copy has done.
     """
-    copied = _copied(count, there) if count > 1 and can_share() else None
-    if copied is None:
-        for number in range(count):
-            here(number)
-        return set()
-    started = time.monotonic()
-    with copied as copy:
-        own = set()
-        for number in copy.turns():
-            own.add(number)
-            here(number)
-        found = copy.done(max(LEAST_PATIENCE, PATIENCE * (time.monotonic() - started)))
-    for number in range(count):
-        if number not in own | found:
-            here(number)
-    return found
+
+    def __init__(self, count: int, there: Callable[[int], object]) -> None:
+        self._count, self._started = count, time.monotonic()
+        self._copy = _copied(count, there) if count > 1 and can_share() else None
+
+    def __enter__(self) -> Sharing:
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        copy, self._copy = self._copy, None
+        if copy is not None:
+            copy.end()
+
+    def finish(self, here: Callable[[int], object]) -> set[int]:
+        """Do what nobody has taken, each piece by whoever is free, and return when all are done.
+
+        What fails in the copy, or is lost with it, is done here.
+
+        Args:
+            here: does one in this process.
+
+        Returns:
+            Which pieces the copy has done.
+        """
+        own, found = set[int](), set[int]()
+        if self._copy is not None:
+            for number in self._copy.turns():
+                own.add(number)
+                here(number)
+            found = self._copy.done(max(LEAST_PATIENCE, PATIENCE * (time.monotonic() - self._started)))
+        for number in range(self._count):
+            if number not in own | found:
+                here(number)
+        return found
+
+
+def share(count: int, here: Callable[[int], object], there: Callable[[int], object]) -> set[int]:
+    """Begin and finish pieces of work; arguments and result as in ``Sharing``."""
+    with Sharing(count, there) as begun:
+        return begun.finish(here)
 
 
 def _copied(count: int, do: Callable[[int], object]) -> _Copy | None:
@@ -97,11 +117,8 @@ class _Copy:
             signal.pthread_sigmask(signal.SIG_SETMASK, handled)
             os.close(tell)
 
-    def __enter__(self) -> _Copy:
-        return self
-
-    def __exit__(self, *reason: object) -> None:
-        """Whatever happened here, no copy is left."""
+    def end(self) -> None:
+        """Whatever it still does."""
         with suppress(OSError):
             os.kill(self._process, signal.SIGKILL)
         with suppress(OSError):

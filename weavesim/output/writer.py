@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
+from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -54,7 +55,7 @@ class Failures(list[str]):
 
 class Writer:
     """Base class of all writers. A subclass overrides what it needs of ``start``, ``frame``, ``finish``, ``precede``,
-    ``write`` and ``conclude``.
+    ``begin``, ``write`` and ``conclude``.
 
     A writer that raises anything, for example on a full disk, is abandoned with a warning; the others and the run
     continue.
@@ -64,6 +65,8 @@ class Writer:
         title: for messages.
         rank: writers with a higher rank write later; those that show the output of others, such as the report, rank
             high.
+        packages: that it imports when it needs them; a run does not begin without them.
+        needs_load: whether it gets no message before ``load`` has returned.
 
     Args:
         folder: of the run; it exists.
@@ -75,6 +78,8 @@ class Writer:
     name: ClassVar[str] = ""
     title: ClassVar[str] = ""
     rank: ClassVar[int] = 0
+    packages: ClassVar[tuple[str, ...]] = ()
+    needs_load: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
         if not cls.name:
@@ -91,7 +96,7 @@ class Writer:
 
     @classmethod
     def load(cls) -> None:
-        """Do slow imports before a run; nothing else may happen here."""
+        """Do slow imports, in another thread while the first steps are done; nothing else may happen here."""
 
     def start(self, info: RunInfo) -> None:
         """Called when a run begins."""
@@ -108,8 +113,16 @@ class Writer:
     def precede(self, results: Results) -> None:
         """Write what must be there whatever happens to the rest; called before any ``write``."""
 
+    def begin(self, results: Results, meanwhile: ExitStack) -> None:
+        """Begin what goes on by itself, or needs no other writer; called after ``precede`` and before any ``write``.
+
+        Args:
+            results: of the run; no pictures are there yet.
+            meanwhile: closed when all have written, or have been interrupted.
+        """
+
     def write(self, results: Results) -> None:
-        """Write the results of the whole run."""
+        """Write the results of the whole run; not called where ``begin`` failed."""
 
     def conclude(self, results: Results) -> None:
         """Called when all have written, successfully or not."""

@@ -18,6 +18,7 @@ from ..engine.state import State
 from ..engine.stepper import Stepper
 from ..errors import InputError
 from ..fabric.cell import UnitCell
+from ..kernel_cache import hashed_once
 from ..tools.sampling import mesh_parts
 from .estimate import check_bounds, estimate
 from .frame import Frame, RunInfo, SheetFrame, SheetInfo, new_run_id
@@ -159,7 +160,7 @@ class PreparedOnce:
             InputError: bad input that can only be detected on the device, such as an unstable step.
         """
         if self._prepared is None:
-            with exclusive():
+            with exclusive(), hashed_once():
                 self._prepared = prepare(self.setup, self._run_id)
         return self._prepared
 

@@ -114,8 +114,10 @@ class Blank(Parameters):
     def boundary_loop(self) -> np.ndarray:
         """Nodes of the longest closed outline, in order, counter-clockwise, (k,)."""
         edges = np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)])
-        undirected, inverse, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-        following = dict(edges[count[inverse.ravel()] == 1].tolist())
+        first, second = edges.T.astype(np.int64)
+        either_way = np.minimum(first, second) * self.node_count + np.maximum(first, second)
+        _, inverse, count = np.unique(either_way, return_inverse=True, return_counts=True)
+        following = dict(edges[count[inverse] == 1].tolist())
         loops = []
         while following:
             start = next(reversed(following))

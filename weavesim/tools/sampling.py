@@ -12,12 +12,25 @@ import numpy as np
 import warp as wp
 
 from ..errors import InputError
-from ..kernels.contact.fill_samples import sampled_distance_kernel
+from ..kernels.contact.fill_samples import (
+    doubt_cells_kernel,
+    fill_tiles_kernel,
+    mark_cells_kernel,
+    mesh_distance_kernel,
+    sampled_distance_kernel,
+    share_corners_kernel,
+    tell_sides_kernel,
+)
+from ..kernels.contact.list_nearest import count_nearest_kernel, list_nearest_kernel
 from ..kernels.contact.mesh_samples import SampledMesh
+from . import solid_triangles
 from .mesh_features import points_near
 from .mesh_tool import MeshSurface
+from .samples import candidates as candidates_module
+from .samples import tiles as tiles_module
 from .samples.candidates import nearest_candidates
 from .samples.grid import HALF_CELL, Grid, chosen_grid, preferred_spacing
+from .samples.stored import StoredArrays
 from .samples.tiles import doubt_above, doubted_cells, filled_values, record_of
 from .solid_triangles import SolidTriangles
 
@@ -199,10 +212,18 @@ def _sample(
     tolerance = ALLOWED_ERROR * min(grid.spacing, thickness) if thickness else ALLOWED_ERROR_ALONE * grid.spacing
     searched = _searched(grid, needed)
     tiles: wp.array = wp.array(grid.tiles, dtype=wp.int32, device=device)
-    values = wp.clone(other.values) if other and same else filled_values(triangles, grid, tiles, band)
-    sampled = record_of(grid, tiles, values)
-    doubted = doubted_cells(triangles, grid, sampled, values, doubt_above(grid.spacing, tolerance, needed))
-    candidates = nearest_candidates(triangles, grid, doubted, 4.0 * searched)
+    stored = _stored(triangles, grid, (band, tolerance, needed, searched, float(bool(other and same))))
+    if (kept := stored.get("values", "doubted")) is not None:
+        doubted = kept[1]
+        values: wp.array = wp.array(kept[0], dtype=wp.float32, device=device)
+        sampled = record_of(grid, tiles, values)
+    else:
+        values = wp.clone(other.values) if other and same else filled_values(triangles, grid, tiles, band)
+        sampled = record_of(grid, tiles, values)
+        doubted = doubted_cells(triangles, grid, sampled, values, doubt_above(grid.spacing, tolerance, needed))
+        stored.add(values=values, doubted=doubted)
+    candidates = nearest_candidates(triangles, grid, doubted, 4.0 * searched, stored)
+    stored.keep()
     sampled.nearest, sampled.searched = candidates.record, searched
     record: wp.array = wp.array([sampled], dtype=SampledMesh, device=device)
     offset = min(3.0 * grid.spacing, 0.5 * grid.reach, thickness or math.inf)
@@ -226,6 +247,24 @@ def _sample(
         worst_points=points[worst],
         worst_errors=error[worst],
     )
+
+
+def _stored(triangles: SolidTriangles, grid: Grid, limits: tuple[float, ...]) -> StoredArrays:
+    """Samples and lists of a mesh that an earlier command has kept: all that takes long."""
+    meshes = {mesh.id: mesh for mesh in (triangles.mesh, triangles.near, triangles.far)}.values()
+    kernels = (
+        mesh_distance_kernel, fill_tiles_kernel, tell_sides_kernel, share_corners_kernel, doubt_cells_kernel,
+        mark_cells_kernel, count_nearest_kernel, list_nearest_kernel,
+    )  # fmt: skip
+    inputs = (
+        *(array.numpy() for mesh in meshes for array in (mesh.points, mesh.indices)),
+        *(grid.lower, grid.upper, grid.tiles, grid.first_voxel, triangles.surface.centre),
+        *(triangles.crossed, triangles.largest, grid.spacing, grid.reach),
+        *(triangles.mesh.id == triangles.near.id, triangles.near.id == triangles.far.id),
+        *limits,
+    )
+    files = (__file__, tiles_module.__file__, candidates_module.__file__, solid_triangles.__file__)
+    return StoredArrays(kernels, files, inputs, wp.get_device(triangles.device))
 
 
 def _searched(grid: Grid, needed: float) -> float:

@@ -65,7 +65,7 @@ def step_kernels(precision: str) -> dict[str, wp.Kernel]:
     from weavesim.app.command_line import default_setups
     from weavesim.engine.launches import SheetKernels
     from weavesim.engine.setup import Solver
-    from weavesim.kernels.lanes import CPU_LANE_COUNT
+    from weavesim.kernels.lane_types import CPU_LANE_COUNT
 
     (setup,) = default_setups(["double-dome"], precision=precision)
     solver = Solver(precision=precision, device="cpu", lane_count=CPU_LANE_COUNT, threads=1)

@@ -9,6 +9,7 @@ import sys
 import pytest
 from pxr import Usd
 
+from tests.support.kills import tiny_setup
 from tests.support.processes import (
     COARSE,
     ENOUGH,
@@ -21,6 +22,9 @@ from tests.support.processes import (
     summary,
     wait_for,
 )
+from weavesim.app.run_into_folder import run_into_folder
+from weavesim.output import ResultFolder
+from weavesim.run.checkpoint.checkpoints import has_job
 
 SLOW = pytest.mark.slow
 SIGNALS = [
@@ -202,3 +206,19 @@ def test_other_names_of_folders(tmp_path, name):
     done = start_and_run(*COARSE, *LIGHT, "--frame-count", "2", "--out", tmp_path / name)
     assert done.returncode == 0, done.stderr
     is_readable(tmp_path / name)
+
+
+@pytest.mark.parametrize(("interval", "synced"), [(0.0, []), (600.0, []), (1.0e-6, ["results", "gone"])])
+def test_results_are_on_the_disk_before_checkpoints_go(tmp_path, monkeypatch, interval, synced):
+    """A short run, which has none, is not waited for."""
+    done = []
+
+    def sync(self):
+        assert list((tmp_path / "checkpoint").glob("0*.bin"))
+        done.append("results")
+
+    monkeypatch.setattr(ResultFolder, "sync", sync)
+    folder = ResultFolder(tmp_path, writers=["summary"])
+    run_into_folder(tiny_setup(1, short=True), folder, options={}, checkpoint_interval=interval)
+    done += ["gone"] if done and not has_job(tmp_path) else []
+    assert done == synced and not has_job(tmp_path)

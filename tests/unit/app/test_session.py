@@ -1,9 +1,12 @@
 """What surrounds the work of a command."""
 
 import gc
+import subprocess
+import sys
 
 import pytest
 
+from tests.support.processes import ENOUGH, environment
 from weavesim.app import session
 from weavesim.app.session import collected_alone, uncollected
 
@@ -44,3 +47,31 @@ def test_a_run_of_whoever_collects_nothing_collects_nothing():
             assert not gc.isenabled()
     finally:
         gc.enable()
+
+
+# Garbage that holds itself, and tells when it is found; the command prints its version in between.
+GARBAGE = """
+import gc, sys
+gc.disable()
+
+class Garbage:
+    def __init__(self):
+        self.own = self
+    def __del__(self):
+        print("found")
+
+Garbage()
+if "command" in sys.argv:
+    from weavesim.app.command_line import main
+    sys.argv[1:] = ["--version"]
+    main()
+"""
+
+
+@pytest.mark.parametrize(("arguments", "found"), [((), True), (("command",), False)])
+def test_a_command_ends_without_a_last_search_for_garbage(arguments, found):
+    done = subprocess.run(
+        [sys.executable, "-c", GARBAGE, *arguments], env=environment(), capture_output=True, text=True, timeout=ENOUGH
+    )
+    assert done.returncode == 0, done.stderr
+    assert ("found" in done.stdout) is found

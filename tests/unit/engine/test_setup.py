@@ -22,7 +22,7 @@ from weavesim.device import Precision
 from weavesim.engine.setup import LANE_COUNTS, Rest, Setup, Solver, World
 from weavesim.errors import InputError
 from weavesim.fabric.presets import PRESETS, glass_polypropylene
-from weavesim.kernels.lanes import CPU_LANE_COUNT, GPU_LANE_COUNT
+from weavesim.kernels.lane_types import CPU_LANE_COUNT, GPU_LANE_COUNT
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.process.motions.paths import PathMotion

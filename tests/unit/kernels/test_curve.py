@@ -12,7 +12,7 @@ from weavesim.fabric.curve import CURVE_PIECE_COUNT, tabulate
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import LARGEST_SHEAR_ANGLE, MomentCurve, ShearFriction
 from weavesim.kernels.curve import curve_energy, curve_struct, odd_curve, slide
-from weavesim.kernels.lanes import lane_types
+from weavesim.kernels.lane_types import lane_types
 
 TYPES = lane_types(wp.float64, 1)
 

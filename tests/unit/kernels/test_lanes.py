@@ -8,22 +8,25 @@ import warp as wp
 
 from tests.support.paths import ROOT
 from weavesim.engine.layout import lanes_view
+from weavesim.kernels.lane_types import lane_types
 from weavesim.kernels.lanes import (
-    angle_of,
     cross,
     dot,
     fill,
+    from_rows,
+    in_every_lane,
     lane_maximum,
     lane_sum,
-    lane_types,
     larger,
     load,
+    magnitude,
+    negative,
     pick,
     scale,
     smaller,
     square_root,
-    step_options,
     store,
+    store_rows3,
     where_positive,
 )
 from weavesim.kernels.operators import add, div, mul, sub  # noqa: F401
@@ -44,31 +47,6 @@ def numbers(array: wp.array) -> np.ndarray:
 
 def tolerance(types) -> float:
     return 4.0 * np.finfo(np.float32 if types.real is wp.float32 else np.float64).eps
-
-
-def test_angle_is_that_of_arctan2(types):
-    lanes = types.lanes
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def angles(sine: wp.array(dtype=lanes), cosine: wp.array(dtype=lanes), result: wp.array(dtype=lanes)):
-        i = wp.tid()
-        s = sine[i]
-        c = cosine[i]
-        result[i] = angle_of(s, c, square_root(wp.cw_mul(s, s) + wp.cw_mul(c, c)))
-
-    expected = np.concatenate([np.linspace(-1.0, 1.0, 465), np.geomspace(1e-12, 1e-2, 15)]) * np.deg2rad(170.0)
-    size = np.geomspace(1e-3, 1e3, len(expected))
-    result = scalars(types, np.zeros(len(expected)))
-    wp.launch(
-        angles,
-        dim=len(expected) // types.lane_count,
-        inputs=[scalars(types, size * np.sin(expected)), scalars(types, size * np.cos(expected))],
-        outputs=[result],
-        device="cpu",
-    )
-    # relative: small angles keep their digits; the polynomial itself is good to 1e-14
-    error = np.abs(numbers(result) - expected)
-    assert np.all(error <= np.maximum(tolerance(types), 2e-14) * np.abs(expected))
 
 
 def test_selections_and_sums(types):
@@ -230,23 +208,80 @@ def test_number_in_every_lane(types):
     assert np.array_equal(numbers(result), expected.astype(wp.dtype_to_numpy(types.real)).astype(np.float64))
 
 
-# Threads of a block on a GPU.
-ON_EVERY_PROCESSOR = {"block_dim": 64}
+def test_functions_of_lanes_are_exact(types):
+    lanes, real = types.lanes, types.real
+    count = types.lane_count
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def apply(
+        a: wp.array2d(dtype=lanes), b: wp.array2d(dtype=lanes), v: types.vec3, turn: wp.types.matrix((3, 3), real),
+        result: wp.array2d(dtype=lanes),
+    ):  # fmt: skip
+        x = a[0, 0]
+        y = b[0, 0]
+        u = from_rows(a[0, 0], a[1, 0], a[2, 0])
+        w = from_rows(b[0, 0], b[1, 0], b[2, 0])
+        result[0, 0] = square_root(magnitude(x))
+        result[1, 0] = magnitude(x)
+        result[2, 0] = negative(x)
+        result[3, 0] = larger(x, y)
+        result[4, 0] = smaller(x, y)
+        store_rows3(result, 5, 0, negative(u))
+        for c in range(3):
+            result[8 + c, 0] = where_positive(x, u[c], w[c])
+        store_rows3(result, 11, 0, scale(y, u))
+        store_rows3(result, 14, 0, in_every_lane(u, v))
+        result[17, 0] = lanes(lane_maximum(x))
+        both = from_rows(x, y)
+        four = from_rows(a[0, 0], a[1, 0], b[0, 0], b[1, 0])
+        six = from_rows(a[0, 0], a[1, 0], a[2, 0], b[0, 0], b[1, 0], b[2, 0])
+        for c in range(2):
+            result[18 + c, 0] = both[c]
+        for c in range(4):
+            result[20 + c, 0] = four[c]
+        for c in range(6):
+            result[24 + c, 0] = six[c]
+        store_rows3(result, 30, 0, turn * u)
+        result[33, 0] = lanes(lane_sum(x))
+        result[34, 0] = dot(u, w)
+        store_rows3(result, 35, 0, cross(u, w))
+
+    rng = np.random.default_rng(3)
+    number = wp.dtype_to_numpy(real)
+    a, b = rng.normal(size=(2, 3, count)).astype(number)
+    a[0, 0] = -0.0
+    v, turn = np.array([0.5, -2.0, 3.0], dtype=number), rng.normal(size=(3, 3)).astype(number)
+    result = scalars(types, np.zeros((38, count)))
+    inputs = [scalars(types, a), scalars(types, b), types.vec3(*v), wp.types.matrix((3, 3), real)(*turn.ravel())]
+    wp.launch(apply, dim=1, inputs=inputs, outputs=[result], device="cpu")
+    found = result.numpy().reshape(38, count)
+    exact = [
+        np.sqrt(np.abs(a[:1])), np.abs(a[:1]), -a[:1], np.maximum(a[:1], b[:1]), np.minimum(a[:1], b[:1]), -a,
+        np.where(a[0] > 0.0, a, b), b[0] * a, np.repeat(v[:, None], count, axis=1),
+        np.full((1, count), a[0].max()), a[:1], b[:1], a[:2], b[:2], a, b,
+    ]  # fmt: skip
+    assert np.array_equal(found[:30], np.concatenate(exact))
+    assert np.array_equal(np.signbit(found[5:8]), ~np.signbit(a))
+    inexact = [turn @ a, np.full((1, count), a[0].sum()), (a * b).sum(axis=0, keepdims=True), np.cross(a.T, b.T).T]
+    assert np.allclose(found[30:], np.concatenate(inexact), rtol=0.0, atol=30.0 * tolerance(types))
 
 
-@pytest.mark.parametrize("machine", ["x86_64", "AMD64"])
-def test_single_precision_does_without_gathers_on_x86(monkeypatch, machine):
-    monkeypatch.setattr("platform.machine", lambda: machine)
-    monkeypatch.setattr(wp.config, "cpu_compiler_flags", "-march=native")
-    without_gathers = {"cpu_compiler_flags": "-march=native -target-feature +prefer-no-gather"}
-    assert step_options(wp.float32) == ON_EVERY_PROCESSOR | without_gathers
-    assert step_options(wp.float64) == ON_EVERY_PROCESSOR
+def test_nan_is_not_larger_and_not_smaller(types):
+    """So that the second of two lanes is kept, and a sum and a root stay without a number."""
+    lanes = types.lanes
 
+    @wp.kernel(module="unique", enable_backward=False)
+    def select(a: wp.array(dtype=lanes), result: wp.array2d(dtype=lanes)):
+        x = a[0]
+        result[0, 0] = larger(x, fill(x, 7.0))
+        result[1, 0] = smaller(x, fill(x, 7.0))
+        result[2, 0] = magnitude(x)
+        result[3, 0] = square_root(x)
+        result[4, 0] = lanes(lane_sum(x))
 
-@pytest.mark.parametrize(
-    ("machine", "flags"), [("aarch64", "-march=native"), ("arm64", "-march=native"), ("x86_64", None)]
-)
-def test_other_processors_and_unset_flags_keep_the_options(monkeypatch, machine, flags):
-    monkeypatch.setattr("platform.machine", lambda: machine)
-    monkeypatch.setattr(wp.config, "cpu_compiler_flags", flags)
-    assert step_options(wp.float32) == ON_EVERY_PROCESSOR
+    values = np.full(types.lane_count, np.nan)
+    result = scalars(types, np.zeros((5, types.lane_count)))
+    wp.launch(select, dim=1, inputs=[scalars(types, values)], outputs=[result], device="cpu")
+    found = result.numpy().reshape(5, -1)
+    assert np.all(found[:2] == 7.0)
+    assert np.all(np.isnan(found[2:]))

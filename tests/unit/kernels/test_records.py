@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 
 from weavesim.engine.layout import RowLayout
-from weavesim.kernels.lanes import ALL_LANE_TYPES, step_options
+from weavesim.kernels.lane_types import ALL_LANE_TYPES, step_options
 from weavesim.kernels.records import SCALAR, gather4, record3, record4, store_record3, store_record4, vector_of
 
 ROWS, RECORD, LENGTH = 11, 8, 48

@@ -1,6 +1,7 @@
 """Every writer and every number fails alone: the others are there, and what is missing is named."""
 
 import json
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def play(folder, run):
     return folder.write({})
 
 
-@pytest.mark.parametrize("stage", ["start", "frame", "finish", "write", "conclude"])
+@pytest.mark.parametrize("stage", ["start", "frame", "finish", "begin", "write", "conclude"])
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
 def test_a_writer_that_fails_in_any_way_costs_only_its_own_file(tmp_path, coarse_run, stage, error):
     def fail(self, *arguments):
@@ -110,6 +111,30 @@ def test_the_summary_comes_first(tmp_path, coarse_run):
 
     summary = play(ResultFolder(tmp_path, writers=["mine", "summary"]), coarse_run)
     assert seen == [summary]
+
+
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt])
+def test_what_a_writer_has_begun_ends_when_all_have_written(tmp_path, coarse_run, error):
+    """Each begins when the summary is there and before any writes; nothing goes on after an interruption either."""
+    seen = []
+
+    class Mine(Writer):
+        name = "mine"
+        rank = 7
+
+        def begin(self, results, meanwhile):
+            seen.append((tmp_path / "draw_in.csv").exists())
+            assert summary_of(tmp_path)["outcome"] == "finished"
+            meanwhile.callback(seen.append, "ended")
+
+        def write(self, results):
+            seen.append((tmp_path / "draw_in.csv").exists())
+            if error:
+                raise error
+
+    with pytest.raises(error) if error else nullcontext():
+        play(ResultFolder(tmp_path, writers=["mine", "tables", "summary"]), coarse_run)
+    assert seen == [False, True, "ended"]
 
 
 def scene_that(**given):

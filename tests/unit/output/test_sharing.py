@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.processes import wait_for
 from weavesim.output import sharing
-from weavesim.output.sharing import can_share, share
+from weavesim.output.sharing import Sharing, can_share, share
 
 THIS = os.getpid()
 
@@ -48,6 +48,24 @@ def test_every_piece_is_done_once_by_both(tmp_path):
     (copy,) = set(workers) - {THIS}
     with pytest.raises(ProcessLookupError):
         os.kill(copy, 0)
+
+
+def test_the_copy_works_while_this_process_does_something_else(tmp_path):
+    with Sharing(3, lambda number: written(tmp_path, number)) as begun:
+        wait_for(lambda: len(list(tmp_path.iterdir())) == 3)
+        assert begun.finish(lambda number: written(tmp_path, number)) == {0, 1, 2}
+    assert THIS not in {int(path.read_text()) for path in tmp_path.iterdir()}
+
+
+def test_what_is_begun_and_not_finished_leaves_no_copy(tmp_path):
+    def there(number):
+        written(tmp_path, "copy")
+        time.sleep(60.0)
+
+    with Sharing(2, there):
+        wait_for(lambda: (tmp_path / "copy").exists() and (tmp_path / "copy").read_text())
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "copy").read_text()), 0)
 
 
 def test_what_fails_in_the_copy_is_done_here(tmp_path):

@@ -13,7 +13,9 @@ from typer.testing import CliRunner
 
 from scripts.benchmarks.cases import element_count
 from scripts.benchmarks.compilation import times
+from scripts.benchmarks.compilation.start import start_of
 from tests.support.paths import ROOT
+from tests.support.processes import COARSE
 
 SCRIPT = ROOT / "scripts" / "benchmark.py"
 
@@ -94,6 +96,14 @@ def test_every_compilation_begins_with_an_empty_cache(monkeypatch):
         assert times.seconds_to_compile("double-dome", "twill", precision) == 1.0
     options = ("--scene", "double-dome", "--unit-cell", "twill", "--precision", "float64", "--processes", "1")
     assert asked[1] == ["-m", "weavesim", "compile", *options]
+
+
+@pytest.mark.slow
+def test_a_start_ends_when_the_run_begins_or_says_why_none_does():
+    start = start_of(ROOT, COARSE)
+    assert start.processor > 0.0 and start.wall > 0.0
+    with pytest.raises(SystemExit, match="(?s)no run has begun: .*mesh-size"):
+        start_of(ROOT, ("picture-frame", "--mesh-size", "wide"))
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from weavesim.fabric.cell.weaves import PlainWeave
 from weavesim.fabric.fabric import Fabric, Stabilisation
 from weavesim.fabric.presets import assumed_fabric, glass_polypropylene
 from weavesim.fabric.shear import LinearShear, MomentCurve, ShearFriction
-from weavesim.kernels.lanes import CPU_LANE_COUNT
+from weavesim.kernels.lane_types import CPU_LANE_COUNT
 from weavesim.kernels.rows import MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads

@@ -40,6 +40,7 @@ def form_command(
     from ...job.read import read_job
     from ...output.stored.judged import read_limits
     from ...output.writer import chosen_writers
+    from ...tools.samples.stored import samples_stored
     from ..results.verdict import strict_code
 
     settings = [*(set_ or ()), *([f"output.stop_on={json.dumps(stop_on)}"] if stop_on else [])]
@@ -56,6 +57,7 @@ def form_command(
         uncollected(),  # up to the run
         interruptible() as interrupted,
         side_by_side(partial(announce_compilation, file.job.name)),
+        samples_stored(),
         announced(),
         asked_of_a_job(),
     ):

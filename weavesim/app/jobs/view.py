@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import webbrowser
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +9,6 @@ from typing import Annotated, Any
 import typer
 
 from ...errors import InputError
-from ..results.live import show_live
 from ..terminal import say
 from .folders import read_record, read_summary
 
@@ -36,6 +34,8 @@ def view_command(
 ) -> None:
     """Show what a run found: its verdict, its main numbers and files; and open its report."""
     if live:
+        from ..results.live import show_live
+
         show_live(out, port, open_)
         return
     if port:
@@ -45,6 +45,8 @@ def view_command(
         say(line)
     report = out / "report.html"
     if report.is_file():
+        import webbrowser
+
         say(f"Report: {report}")
         if open_ and not webbrowser.open(report.absolute().as_uri()):
             say("No browser could be opened here: open that file yourself.")

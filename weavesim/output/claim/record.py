@@ -48,6 +48,7 @@ class RunRecord:
         self._names: dict[str, str] = {}  # as JSON
         self._pace = Pace()
         self._hashes: dict[str, str] = {}
+        self._hashed: dict[str, tuple[tuple[int, ...], str]] = {}  # state and hash of files so far
         self._content: dict[str, Any] = {
             "run_id": info.run_id,
             "name": info.name,
@@ -104,10 +105,19 @@ class RunRecord:
     def finish(self, **ending: Any) -> None:
         """Record the ending, and the hashes of all files: they show of which run a file without a run id is."""
         self._content |= {"ended": datetime.now(UTC).isoformat(timespec="seconds"), **ending}
+        self.hash_so_far()
+        self._hashes = {name: found for name, (_, found) in self._hashed.items()}
+        self.write()
+
+    def hash_so_far(self) -> None:
+        """Hash the files that are there; those that stay as they are need not be hashed again at the end."""
+        before, self._hashed = self._hashed, {}
         for name in self._names:
             with suppress(OSError):
-                self._hashes[name] = file_hash(self._folder / name)
-        self.write()
+                state, known = _state(self._folder / name), before.get(name)
+                if known is None or known[0] != state:
+                    known = state, file_hash(self._folder / name)
+                self._hashed[name] = known
 
 
 def hashed_fields(frame: Frame) -> list[str]:
@@ -132,6 +142,12 @@ def frame_hash(frame: Frame, fields: Collection[str] | None = None) -> str:
         for name in sorted(sheet.fields if fields is None else set(sheet.fields) & set(fields)):
             digest.update(name.encode() + np.ascontiguousarray(sheet.fields[name]).tobytes())
     return digest.hexdigest()
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    """Of a file: another one after every writing. Files are replaced whole, by new ones."""
+    about = path.stat()
+    return about.st_ino, about.st_size, about.st_mtime_ns
 
 
 def _has_content(path: Path) -> bool:

@@ -94,32 +94,51 @@ class ConstantParts:
         return setup_tables(self._info)
 
 
-def page_of(
+@dataclass
+class BegunPage:
+    """What can be said before anything else is written.
+
+    Attributes:
+        content: without what ``finished`` adds.
+        part: the judgement of the part; None if there is none.
+    """
+
+    content: PageContent
+    part: JudgedPart | None
+
+    def finished(self, results: Results) -> PageContent:
+        """The page of a run that has ended, with the pictures that were drawn, and the failures."""
+        summary, info, content, part = results.whole_summary, results.info, self.content, self.part
+        pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
+        content.verdict = verdict_of(summary, _outcome(summary), part)
+        content.headline = list(_headline(summary))
+        content.warnings = warnings_of(results, summary)
+        content.fallback = [item for item in pictures if item[0].stem.startswith("formed_sheet")]
+        content.draw_in = [item for item in pictures if item[0].stem.startswith("draw_in")]
+        content.pictures = [item for item in pictures if item not in (*content.fallback, *content.draw_in)]
+        content.forces = list(_forces(info, results.history, summary))
+        content.numbers = _numbers(info, {**summary, "support_force_n": _on_supports(info, summary)})
+        content.options = [
+            Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
+        ]
+        return content
+
+
+def begun_page(
     results: Results, recorder: FrameRecorder, folder: Path, constant: ConstantParts | None = None
-) -> PageContent:
-    """The page of a run that has ended, however it did."""
-    summary, info = results.whole_summary, results.info
-    outcome = str(summary.get("outcome") or Outcome.FINISHED.value)
-    failed: list[str] = []
+) -> BegunPage:
+    """The page of a run that has ended, however it did, as far as it does not depend on what is written."""
+    outcome, failed = _outcome(results.whole_summary), list[str]()
     options = record_of(folder).get("options") or {}
     part: JudgedPart | None = _safely("the judgement of the part", failed, None, partial(judge, results, options))
-    pictures = [picture for picture in results.pictures if picture[0].stem not in _DRAWN_ANEW]
-    constant = constant or ConstantParts(info)
-    content = _frame_of_page(info, results.history, recorder, folder, outcome, failed, part, constant)
-    content.verdict = verdict_of(summary, outcome, part)
-    content.headline = list(_headline(summary))
-    content.regions = list(part.regions) if part else []
-    content.warnings = warnings_of(results, summary)
-    content.fallback = [item for item in pictures if item[0].stem.startswith("formed_sheet")]
-    content.draw_in = [item for item in pictures if item[0].stem.startswith("draw_in")]
-    content.pictures = [item for item in pictures if item not in (*content.fallback, *content.draw_in)]
-    content.forces = list(_forces(info, results.history, summary))
-    content.numbers = _numbers(info, {**summary, "support_force_n": _on_supports(info, summary)})
-    content.options = [
-        Row(words(name), text_of(value)) for name, value in results.setup.items() if not _says_nothing(value)
-    ]
-    content.data["regions"] = list(part.regions) if part else []
-    return content
+    constant = constant or ConstantParts(results.info)
+    content = _frame_of_page(results.info, results.history, recorder, folder, outcome, failed, part, constant)
+    content.regions = content.data["regions"] = list(part.regions) if part else []
+    return BegunPage(content, part)
+
+
+def _outcome(summary: Mapping[str, Any]) -> str:
+    return str(summary.get("outcome") or Outcome.FINISHED.value)
 
 
 def page_so_far(

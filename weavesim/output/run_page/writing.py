@@ -47,15 +47,26 @@ class _Picture:
     caption: str
 
 
-def write_page(path: Path, content: PageContent) -> None:
-    """Write the page."""
-    write_text(path, page_text(content))
+def load() -> None:
+    """What every page needs: its template and its scripts."""
+    _template()
+    _scripts()
 
 
-def page_text(content: PageContent) -> str:
-    """The page as HTML. Every text of a run is escaped."""
+def write_page(path: Path, content: PageContent, numbers: str = "") -> None:
+    """Write the page; ``numbers`` of ``numbers_of``, where they have been made."""
+    write_text(path, page_text(content, numbers))
+
+
+def numbers_of(content: PageContent) -> str:
+    """The numbers of the page, as JSON for a script element."""
     charts = [fabric["charts"] for fabric in content.fabrics]
     data = {**content.data, "fabrics": charts, "colours": colour_tables()}
+    return in_script(json.dumps(plain(data), allow_nan=False, separators=(",", ":")))
+
+
+def page_text(content: PageContent, numbers: str = "") -> str:
+    """The page as HTML. Every text of a run is escaped."""
     shown = {
         "page": {
             **vars(content),
@@ -66,7 +77,7 @@ def page_text(content: PageContent) -> str:
         "version": __version__,
         "styles": _text("vendor/uplot.min.css") + _text("style.css"),
         "scripts": _scripts(),
-        "data": in_script(json.dumps(plain(data), allow_nan=False, separators=(",", ":"))),
+        "data": numbers or numbers_of(content),
     }
     return _template().render(shown)
 

@@ -12,6 +12,8 @@ class FilmWriter(Writer):
 
     name = "film"
     title = "film"
+    packages = ("pxr", "matplotlib", "mapbox_earcut")
+    needs_load = True
 
     @classmethod
     def load(cls) -> None:
@@ -20,6 +22,7 @@ class FilmWriter(Writer):
 
     def start(self, info: RunInfo) -> None:
         """Begin the film."""
+        self.folder.stat()  # USD would make a folder that is gone
         self._film = Film(self.folder / f"{info.name}.usdc")
         self._film.start(info)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from ...measures.findings import FormedSheet
 from .. import pictures
 from ..files import note, noting, world_endings
 from ..results import Results, SheetResult
-from ..sharing import share
+from ..sharing import Sharing
 from ..writer import Writer
 
 
@@ -37,35 +38,44 @@ class PicturesWriter(Writer):
     name = "pictures"
     title = "pictures"
     rank = 2
+    packages = ("matplotlib",)
 
     @classmethod
     def load(cls) -> None:
         """Import Matplotlib."""
         pictures.load()
 
-    def write(self, results: Results) -> None:
-        """Draw all pictures that apply to this run."""
+    def begin(self, results: Results, meanwhile: ExitStack) -> None:
+        """Have a copy of this process begin to draw all pictures that apply to this run."""
+        self._wanted: list[tuple[Picture, Path]] = []
         folder = self.folder / "pictures"
         if not self.attempt("pictures", lambda: folder.mkdir(exist_ok=True)):
             return
-        wanted = [(picture, folder / picture.file) for picture in wanted_pictures(results)]
-        order = sorted(range(len(wanted)), key=lambda number: not wanted[number][0].slow)
-        drawn: set[int] = set()
-
-        def here(turn: int) -> None:
-            picture, path = wanted[number := order[turn]]
-            if self.attempt(picture.file, partial(_draw, picture, path, results.info.run_id)):
-                drawn.add(number)
+        self._wanted = [(picture, folder / picture.file) for picture in wanted_pictures(results)]
+        self._order = sorted(range(len(self._wanted)), key=lambda number: not self._wanted[number][0].slow)
+        for _, path in self._wanted:
+            note(path)
 
         def there(turn: int) -> None:
-            picture, path = wanted[order[turn]]
+            picture, path = self._wanted[self._order[turn]]
             with noting(lambda file: None):  # the record of the run is not the copy's
                 _draw(picture, path, results.info.run_id)
 
-        for _, path in wanted:
-            note(path)
-        drawn |= {order[turn] for turn in share(len(wanted), here, there)}
-        results.pictures += [(path, picture.caption) for k, (picture, path) in enumerate(wanted) if k in drawn]
+        self._drawing = meanwhile.enter_context(Sharing(len(self._wanted), there))
+
+    def write(self, results: Results) -> None:
+        """Draw those that the copy has not drawn."""
+        if not self._wanted:
+            return
+        drawn: set[int] = set()
+
+        def here(turn: int) -> None:
+            picture, path = self._wanted[number := self._order[turn]]
+            if self.attempt(picture.file, partial(_draw, picture, path, results.info.run_id)):
+                drawn.add(number)
+
+        drawn |= {self._order[turn] for turn in self._drawing.finish(here)}
+        results.pictures += [(path, picture.caption) for k, (picture, path) in enumerate(self._wanted) if k in drawn]
 
 
 def _draw(picture: Picture, path: Path, run_id: str) -> None:

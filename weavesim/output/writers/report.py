@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+
 from ...run.frame import Frame, Outcome, RunInfo
 from ..results import Results
-from ..run_page.content import ConstantParts, page_of, page_so_far
+from ..run_page.content import ConstantParts, begun_page, page_so_far
 from ..run_page.progress import PROGRESS_NAME, PagePace, ProgressRecord
 from ..run_page.recorder import FrameRecorder
-from ..run_page.writing import write_page
+from ..run_page.writing import load, numbers_of, write_page
 from ..writer import Writer
 
 PAGE_NAME = "report.html"
@@ -20,6 +22,7 @@ class ReportWriter(Writer):
     name = "report"
     title = PAGE_NAME
     rank = 8
+    packages = ("jinja2",)
 
     @classmethod
     def load(cls) -> None:
@@ -52,6 +55,12 @@ class ReportWriter(Writer):
         """Say how the run ended."""
         self.save(PROGRESS_NAME, lambda: self._progress.finish(outcome))
 
+    def begin(self, results: Results, meanwhile: ExitStack) -> None:
+        """Make what needs no pictures, while a copy of this process draws them."""
+        load()
+        self._begun = begun_page(results, self._recorder, self.folder, self._constant)
+        self._numbers = numbers_of(self._begun.content)
+
     def write(self, results: Results) -> None:
         """Write the page."""
-        write_page(self.folder / PAGE_NAME, page_of(results, self._recorder, self.folder, self._constant))
+        write_page(self.folder / PAGE_NAME, self._begun.finished(results), self._numbers)

@@ -12,6 +12,7 @@ class ResultsWriter(Writer):
 
     name = "results"
     title = FILE_NAME
+    packages = ("h5py",)
 
     @classmethod
     def load(cls) -> None:

@@ -188,6 +188,11 @@ class Checkpoints:
             return False
         return True
 
+    @property
+    def are_there(self) -> bool:
+        """Whether there are any that the run could go on from; a short one has none, and is computed again instead."""
+        return bool(self._files())
+
     def remove(self) -> None:
         """Remove them all: the run is finished, and its results are on the disk."""
         remove_checkpoints(self.folder.parent)

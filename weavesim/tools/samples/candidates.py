@@ -15,6 +15,7 @@ from ..mesh_features import face_normals
 from ..mesh_topology import directed_edges, edge_keys, labels
 from ..solid_triangles import SolidTriangles
 from .grid import Grid
+from .stored import StoredArrays
 
 # Sums of normals shorter than this tell no side.
 LEAST_FACING = 1.0e-6
@@ -27,7 +28,9 @@ class Candidates(NamedTuple):
     arrays: tuple[wp.array, ...]
 
 
-def nearest_candidates(triangles: SolidTriangles, grid: Grid, doubted: np.ndarray, largest: float) -> Candidates:
+def nearest_candidates(
+    triangles: SolidTriangles, grid: Grid, doubted: np.ndarray, largest: float, stored: StoredArrays
+) -> Candidates:
     """Lists for the doubted cells.
 
     Args:
@@ -35,6 +38,7 @@ def nearest_candidates(triangles: SolidTriangles, grid: Grid, doubted: np.ndarra
         grid: of the samples.
         doubted: (tile_count, CELL_COUNT), not zero in doubted cells.
         largest: distance up to which all triangles are searched [m].
+        stored: may have the lists, or takes them.
     """
     device = triangles.device
     tile, cell = np.nonzero(doubted)
@@ -45,7 +49,11 @@ def nearest_candidates(triangles: SolidTriangles, grid: Grid, doubted: np.ndarra
     number_of_cell[place_of_tile[tile], cell] = np.arange(len(tile))
     size = int(TILE_SIZE)
     voxel = grid.first_voxel[tile] + np.column_stack([cell // size**2, cell // size % size, cell % size])
-    first, away, triangle = _lists(triangles, grid.first + grid.spacing * voxel, grid.spacing, largest)
+    if (kept := stored.get("first", "away", "triangle")) is not None:
+        first, away, triangle = kept
+    else:
+        first, away, triangle = _lists(triangles, grid.first + grid.spacing * voxel, grid.spacing, largest)
+        stored.add(first=first, away=away, triangle=triangle)
     used, triangle = np.unique(triangle, return_inverse=True)
     vertices, faces = triangles.surface.solid_vertices - triangles.surface.centre, triangles.surface.solid_faces
     record, arrays = NearestTriangles(), []

@@ -20,7 +20,7 @@ from weavesim.kernels.cell import energy_lanes
 from weavesim.kernels.cell.law import cell_answer_struct
 from weavesim.kernels.cell.response import unit_cell_response_kernel
 from weavesim.kernels.formula.values import Unreadable
-from weavesim.kernels.lanes import lane_types
+from weavesim.kernels.lane_types import lane_types
 
 # One of each set of functions.
 NAMES = ("twill", "stitched-tape", "linear-membrane", "user's net")

@@ -17,7 +17,8 @@ from weavesim.kernels.contact.tool_shapes import (
     plane_distance,
     shape_number,
 )
-from weavesim.kernels.lanes import fill, lane_types
+from weavesim.kernels.lane_types import lane_types
+from weavesim.kernels.lanes import fill
 
 
 def test_kinds_have_a_number_each_and_read_fields_of_the_part():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import warp as wp
 
-from weavesim.kernels.lanes import dot, lane_types, square_root
+from weavesim.kernels.lane_types import lane_types
+from weavesim.kernels.lanes import dot, square_root
 from weavesim.kernels.plies.facet import find_foot, normal_at, patch_functions, sagitta
 
 REAL = wp.float64

@@ -9,7 +9,9 @@ import pytest
 from tests.support.runs import small_run
 from weavesim import Setup, Simulation
 from weavesim.output import ResultFolder
+from weavesim.output.claim import record as record_module
 from weavesim.output.claim.record import file_hash
+from weavesim.output.files import replacing
 from weavesim.run.frame import Outcome, new_run_id
 
 
@@ -39,6 +41,28 @@ def test_the_record_lists_every_file_with_its_hash(finished):
     assert set(record["files"]) == files - {"run.json", ".weavesim.lock", "given.csv"}
     for name, digest in record["files"].items():
         assert file_hash(path / name) == digest
+
+
+def test_only_files_that_have_changed_are_hashed_again_at_the_end(tmp_path, coarse_run, monkeypatch):
+    hashed = []
+    monkeypatch.setattr(record_module, "file_hash", lambda path: hashed.append(path.name) or file_hash(path))
+    record = record_module.RunRecord(tmp_path, coarse_run[0], {})
+    for name in ("stays", "replaced", "goes", "comes"):
+        record.add(tmp_path / name)
+        if name != "comes":
+            (tmp_path / name).write_text("one")
+    record.hash_so_far()
+    assert hashed == ["stays", "replaced", "goes"]
+    hashed.clear()
+    with replacing(tmp_path / "replaced") as temporary:
+        temporary.write_text("two")  # as long as before
+    (tmp_path / "goes").unlink()
+    (tmp_path / "comes").write_text("new")
+    assert set(json.loads((tmp_path / "run.json").read_text())["files"].values()) == {None}
+    record.finish(outcome="finished")
+    assert hashed == ["replaced", "comes"]
+    expected = {name: file_hash(tmp_path / name) for name in ("stays", "replaced", "comes")}
+    assert json.loads((tmp_path / "run.json").read_text())["files"] == {**expected, "goes": None}
 
 
 def test_the_record_tells_how_it_was_run(finished):

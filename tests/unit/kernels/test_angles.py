@@ -1,0 +1,44 @@
+"""Angles in lanes against NumPy, in both precisions, with one lane and with sixteen."""
+
+import numpy as np
+import pytest
+import warp as wp
+
+from weavesim.engine.layout import lanes_view
+from weavesim.kernels.angles import angle_of
+from weavesim.kernels.lane_types import lane_types
+from weavesim.kernels.lanes import square_root
+
+
+@pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])
+def types(request, precision):
+    return lane_types(precision.real, request.param)
+
+
+def scalars(types, values) -> wp.array:
+    return lanes_view(wp.array(np.asarray(values), dtype=types.real, device="cpu"), types.lane_count)
+
+
+def test_angle_is_that_of_arctan2(types):
+    lanes = types.lanes
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def angles(sine: wp.array(dtype=lanes), cosine: wp.array(dtype=lanes), result: wp.array(dtype=lanes)):
+        i = wp.tid()
+        s = sine[i]
+        c = cosine[i]
+        result[i] = angle_of(s, c, square_root(wp.cw_mul(s, s) + wp.cw_mul(c, c)))
+
+    expected = np.concatenate([np.linspace(-1.0, 1.0, 465), np.geomspace(1e-12, 1e-2, 15)]) * np.deg2rad(170.0)
+    size = np.geomspace(1e-3, 1e3, len(expected))
+    result = scalars(types, np.zeros(len(expected)))
+    wp.launch(
+        angles,
+        dim=len(expected) // types.lane_count,
+        inputs=[scalars(types, size * np.sin(expected)), scalars(types, size * np.cos(expected))],
+        outputs=[result],
+        device="cpu",
+    )
+    # relative: small angles keep their digits; the polynomial itself is good to 1e-14
+    error = np.abs(result.numpy().ravel() - expected)
+    assert np.all(error <= np.maximum(4.0 * np.finfo(wp.dtype_to_numpy(types.real)).eps, 2e-14) * np.abs(expected))

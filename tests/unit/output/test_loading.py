@@ -1,0 +1,118 @@
+"""Libraries of writers are loaded beside the first steps of a run; what is not installed is told before it."""
+
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from tests.support.processes import COARSE, ENOUGH, environment
+from weavesim.errors import InputError
+from weavesim.output import ResultFolder, Writer, chosen_writers
+from weavesim.output import loading as loading_module
+from weavesim.output import writer as writer_module
+from weavesim.output.folder import LARGEST_WAITING_COUNT
+from weavesim.output.loading import Loading
+from weavesim.run.frame import Outcome
+
+
+@pytest.fixture(autouse=True)
+def _forgotten(monkeypatch):
+    """Nothing was loaded before, and what a test defines is unknown afterwards."""
+    monkeypatch.setattr(loading_module, "_done", set())
+    monkeypatch.setattr(writer_module, "_known", dict(writer_module._known))
+
+
+def test_all_is_called_in_order_in_another_thread_and_a_failure_stops_nothing():
+    called, threads = [], set()
+
+    def first():
+        called.append("first")
+        raise ImportError("no such library")
+
+    def second():
+        called.append("second")
+        threads.add(threading.current_thread())
+
+    before = sys.getswitchinterval()
+    loading = Loading([first])
+    loading.add(second)
+    loading.wait()  # it has not begun
+    assert not called and not loading.has(second)
+    loading.begin()
+    loading.wait()
+    assert called == ["first", "second"] and threading.current_thread() not in threads
+    assert loading.has(first) and loading.has(second) and sys.getswitchinterval() == before
+    again = Loading([first, second])
+    again.begin()
+    again.wait()
+    assert called == ["first", "second"]
+
+
+def test_a_missing_package_is_told_before_the_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(chosen_writers(["film"])[0], "packages", ("pxr", "no_such_package"))
+    with pytest.raises(InputError, match="film: it needs the package no_such_package, which is not installed"):
+        ResultFolder(tmp_path)
+    ResultFolder(tmp_path, writers=["summary"])
+
+
+@pytest.mark.parametrize("frame_count", [3, LARGEST_WAITING_COUNT + 3])
+def test_a_writer_gets_what_it_missed_while_its_libraries_were_loaded(tmp_path, coarse_run, frame_count):
+    (info, frames), gate, seen = coarse_run, threading.Event(), []
+
+    class Late(Writer):
+        name = "late"
+        needs_load = True
+
+        @classmethod
+        def load(cls):
+            assert gate.wait(30.0)
+            seen.append("load")
+
+        def start(self, info):
+            seen.append("start")
+
+        def frame(self, frame):
+            seen.append("frame")
+
+        def finish(self, outcome):
+            seen.append("finish")
+
+    folder = ResultFolder(tmp_path, writers=["late", "summary"])
+    folder.start(info)
+    if frame_count <= LARGEST_WAITING_COUNT:
+        for _ in range(frame_count):
+            folder.frame(frames[0])
+        assert seen == []
+        gate.set()
+    else:  # it waits for the libraries rather than for ever keep what is to be written
+        opener = threading.Timer(0.2, gate.set)
+        opener.start()
+        for _ in range(frame_count):
+            folder.frame(frames[0])
+        assert seen == ["load", "start", *["frame"] * frame_count]
+    folder.finish(Outcome.FINISHED)
+    assert seen == ["load", "start", *["frame"] * frame_count, "finish"]
+
+
+# Ends the command before its first step, with the names of the packages that it has imported.
+_UP_TO_THE_FIRST_STEP = """
+import os, sys
+from weavesim.app.command_line import main
+from weavesim.engine.stepper import Stepper
+
+def end(*arguments):
+    os.write(1, " ".join(sorted({name.partition(".")[0] for name in sys.modules})).encode())
+    os._exit(0)
+
+Stepper._take_turn = end
+main()
+"""
+
+
+def test_nothing_that_draws_or_writes_is_imported_before_the_first_step(tmp_path):
+    command = [sys.executable, "-c", _UP_TO_THE_FIRST_STEP, *COARSE, "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=ENOUGH, env=environment())
+    imported = set(done.stdout.split())
+    assert "warp" in imported, done.stderr
+    assert not imported & {"pxr", "matplotlib", "scipy", "h5py", "jinja2", "PIL", "plotly", "meshio"}

@@ -1,0 +1,1 @@
+"""Figures become files: the places of everything in them, and PNG."""

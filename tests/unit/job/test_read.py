@@ -196,12 +196,6 @@ def test_every_key_has_a_description():
         assert all(field.description for field in table.model_fields.values())
 
 
-def test_the_tables_of_the_reference_come_from_the_models():
-    from scripts.doc_tables import text_of, text_with_tables
-
-    assert text_with_tables("job.md") == text_of("job.md"), "run python scripts/doc_tables.py"
-
-
 def test_the_example_of_the_reference_is_a_job(tmp_path):
     import re
 

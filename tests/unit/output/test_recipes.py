@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from scripts.doc_tables import text_of, text_with_tables
 from tests.support.kinds import imported
 from tests.support.recipes import written_recipe
 from tests.support.runs import small_run
@@ -103,7 +102,3 @@ def test_the_recipe_of_a_permeability(fields_forgotten, tmp_path):
 def test_recipes_leave_nothing_behind():
     assert "obj" not in known_writers()
     assert not {"current_areal_density", "permeability_1"} & {field.name for field in fields.FIELDS}
-
-
-def test_the_tables_of_the_page_are_those_of_the_code():
-    assert text_with_tables("results.md") == text_of("results.md"), "run python scripts/doc_tables.py"

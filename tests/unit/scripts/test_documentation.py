@@ -6,7 +6,7 @@ import shlex
 import pytest
 from PIL import Image
 
-from scripts.doc_tables import text_of, text_with_tables
+from scripts.doc_tables import PAGES, text_of, text_with_tables
 from scripts.documentation import built_pages, gallery, make_gallery, reference, staging
 from scripts.documentation.formulas import markup
 from scripts.documentation.navigation import sections
@@ -107,8 +107,12 @@ def test_every_command_is_in_the_reference():
     assert "``--punch-speed``\n" in text and "``--picture-frame``\n" in text and "``--help" not in text
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_the_tables_of_a_page_are_those_of_the_code(page):
+    assert text_with_tables(page) == text_of(page), "run python scripts/doc_tables.py"
+
+
 def test_the_gallery_shows_what_its_commands_make():
-    assert text_with_tables("gallery.md") == text_of("gallery.md"), "run python scripts/doc_tables.py"
     names = [one.name for one in gallery.EXHIBITS]
     assert len(set(names)) == len(names)
     for one in gallery.EXHIBITS:

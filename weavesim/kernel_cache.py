@@ -41,8 +41,8 @@ PROBE_SIZE = 1 << 20
 # Beyond this size [bytes] modules that no run has loaded for this long [s] are removed.
 LARGEST_SIZE = 1 << 30
 UNUSED_AGE = 24.0 * 3600.0
-# The same of samples of tools, of which somebody who tries many makes gigabytes a day [s].
-SAMPLES_AGE = 3600.0
+# So much of samples of tools is kept [bytes], whenever they were used: who tries many tools makes gigabytes an hour.
+LARGEST_SAMPLES_SIZE = 1 << 29
 
 # Our folders in the cache, one per kind of processor; others may keep theirs beside them.
 OWN_FOLDER = re.compile(r"[0-9a-f]{12}")
@@ -214,21 +214,25 @@ def modules(folder: Path) -> list[Module]:
     return found
 
 
-def remove_unused(folder: Path, largest_size: int = LARGEST_SIZE, unused_age: float = UNUSED_AGE) -> None:
+def remove_unused(
+    folder: Path, largest_size: int = LARGEST_SIZE, unused_age: float = UNUSED_AGE,
+    largest_samples_size: int = LARGEST_SAMPLES_SIZE,
+) -> None:  # fmt: skip
     """Remove the modules that were not used for longest until the rest is within ``largest_size`` [bytes].
 
-    Samples of tools go before kernels, which take longer to make. Those used within ``unused_age`` [s] stay, samples
-    for an hour: another run may be about to load them.
+    Kernels used within ``unused_age`` [s] stay: another run may be about to load them. Samples of tools have a limit
+    of their own, ``largest_samples_size`` [bytes], so that many of them push no kernel out; a run that misses some
+    computes them.
     """
-    every = modules(folder)
-    excess, now = sum(module.size for module in every) - largest_size, time.time()
-    spared = {True: min(unused_age, SAMPLES_AGE), False: unused_age}
-    old = [module for module in every if now - module.used >= spared[module.has_samples]]
-    for module in sorted(old, key=lambda one: (not one.has_samples, one.used)):
-        if excess <= 0:
-            return
-        shutil.rmtree(module.folder, ignore_errors=True)
-        excess -= module.size
+    every, now = modules(folder), time.time()
+    kernels = [module for module in every if not module.has_samples]
+    samples = [module for module in every if module.has_samples]
+    for kind, limit, age in ((kernels, largest_size, unused_age), (samples, largest_samples_size, 0.0)):
+        excess = sum(module.size for module in kind) - limit
+        for module in sorted(kind, key=lambda one: one.used):
+            if excess > 0 and now - module.used >= age:
+                shutil.rmtree(module.folder, ignore_errors=True)
+                excess -= module.size
 
 
 def own_folders(base: Path) -> list[Path]:

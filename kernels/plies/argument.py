@@ -12,7 +12,8 @@ from ..rows import MotionRow, PlyRow
 from .data import record_struct, slaves_struct
 from .facet import facets_struct, patch_functions
 
-# Series of the arc cosine: acos(x) = sqrt(1 - x) (a0 + a1 x + ...), Abramowitz and Stegun 4.4.46, error 2e-8.
+# Series of the arc cosine: acos(x) = sqrt(1 - x) (a0 + a1 x + ...), Abramowitz and Stegun 4.4.46, error 2e-8. A vector
+# of Warp is part of a kernel's hash; an entry of a tuple that depends on a loop would not be.
 _ARC_COSINE = (
     1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046, 0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911,
 )  # fmt: skip
@@ -25,6 +26,7 @@ def yarn_angle_function(real: type, lane_count: int):
     lanes, indices = types.lanes, types.indices
     Slaves, Facets = slaves_struct(real, lane_count), facets_struct(real)
     vectors, _, _, _ = patch_functions(real, lane_count)
+    arc_cosine = wp.types.vector(len(_ARC_COSINE), real)(*_ARC_COSINE)
 
     @wp.func
     def gradient(facets: Facets, facet: indices, diagonal: int):
@@ -49,8 +51,8 @@ def yarn_angle_function(real: type, lane_count: int):
         cosine = magnitude(dot(own, other)) / square_root(dot(own, own) * dot(other, other))
         cosine = smaller(cosine, one)
         series = lanes()
-        for k in range(wp.static(len(_ARC_COSINE))):
-            series = series * cosine + lanes(real(wp.static(_ARC_COSINE[len(_ARC_COSINE) - 1 - k])))
+        for k in range(len(arc_cosine)):
+            series = series * cosine + lanes(arc_cosine[len(arc_cosine) - 1 - k])
         return series * square_root(one - cosine)
 
     return yarn_angle

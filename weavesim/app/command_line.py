@@ -149,7 +149,7 @@ def resume_command(
 @application.command("cache")
 def cache_command(
     clear: Annotated[
-        bool, typer.Option("--clear", help="remove all compiled kernels; runs compile theirs again")
+        bool, typer.Option("--clear", help="remove all compiled kernels and samples of tools; runs make theirs again")
     ] = False,
 ) -> None:
     """Show where the compiled kernels and the samples of tools are and how much they take, or remove them."""

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 # Writers that read the fields of the last frame at most; films, series and pages read those of all.
+# A shorter run [s] does not wait until its results are on the disk: it is soon computed again.
+SHORT_RUN = 60.0
 OF_LAST_FRAME = frozenset({"summary", "tables", "pictures", "results"})
 
 
@@ -91,7 +93,7 @@ def run_into_folder(
         with uncollected():
             info = simulation.prepare().info
         if every_field:
-            folder.load_beside(WaveFilter.load)
+            folder.load_beside("heights of wrinkles", "scipy", WaveFilter.load)
         if info.expected is not None:
             check_room(info.expected, setup, folder.path)
         _rehearse(simulation, measure)
@@ -124,7 +126,7 @@ def run_into_folder(
                         _numbers(simulation, folder, log, measure), setup=options if shown is None else shown
                     )
                     if simulation.outcome is Outcome.FINISHED and not summary["missing"]:
-                        if checkpoints.are_there:
+                        if checkpoints.are_there or simulation.wall_time > SHORT_RUN:
                             folder.sync()
                         checkpoints.remove()
     finally:

@@ -23,16 +23,7 @@ from ..device import Precision, available_threads, initialise, is_compiled, load
 from ..fabric.cell import UnitCell
 from ..kernel_cache import ensure_room
 from ..kernels.carried.motion import carried_motion_kernel
-from ..kernels.contact.fill_samples import (
-    doubt_cells_kernel,
-    fill_tiles_kernel,
-    mark_cells_kernel,
-    mesh_distance_kernel,
-    sampled_distance_kernel,
-    share_corners_kernel,
-    tell_sides_kernel,
-)
-from ..kernels.contact.list_nearest import count_nearest_kernel, list_nearest_kernel
+from ..kernels.contact.fill_samples import sampled_distance_kernel
 from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.loads.grippers import grip_kernel
@@ -57,6 +48,7 @@ from ..kernels.stepping.surface_contact import surface_contact_kernel
 from ..kernels.stepping.tool_contact import tool_push_kernel
 from ..kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 from ..sheet.geometry import ElementGeometry
+from ..tools.sampling import SAMPLING_KERNELS
 from .plies.ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
 from .setup import Setup
 from .traits import as_in_stages, node_traits, sheet_traits, waiting
@@ -258,18 +250,8 @@ class MeshKernelSet:
 
 
 def mesh_kernels() -> list[wp.Kernel]:
-    """Kernels that sample the distance to a triangle mesh."""
-    return [
-        mesh_distance_kernel,
-        sampled_distance_kernel,
-        fill_tiles_kernel,
-        tell_sides_kernel,
-        share_corners_kernel,
-        doubt_cells_kernel,
-        mark_cells_kernel,
-        count_nearest_kernel,
-        list_nearest_kernel,
-    ]
+    """Kernels that sample the distance to a triangle mesh, and read it."""
+    return [*SAMPLING_KERNELS, sampled_distance_kernel]
 
 
 def missing(kernel_set: Kernels) -> list[int]:

@@ -21,7 +21,7 @@ from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
 from .history import History
-from .loading import Loading, check_packages
+from .loading import Loading, check_installed, check_packages
 from .results import Results, Wanted, run_summary, sheet_results
 from .writer import Failures, Writer, chosen_writers
 
@@ -116,8 +116,13 @@ class ResultFolder:
         remove_results(self.path, kept=kept, resumes=self._resumes or self._cleared)
         self._cleared = True
 
-    def load_beside(self, load: Callable[[], object]) -> None:
-        """Have something else call ``load``, which imports a library, beside the first steps, with the writers' own."""
+    def load_beside(self, what: str, package: str, load: Callable[[], object]) -> None:
+        """Have ``load``, which imports a package for something else, called beside the first steps, as writers' own.
+
+        Raises:
+            InputError: the package is not installed.
+        """
+        check_installed(what, [package])
         self._loading.add(load)
 
     @property

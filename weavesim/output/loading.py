@@ -30,11 +30,20 @@ def check_packages(kinds: Iterable[type[Writer]]) -> None:
         InputError: one is not.
     """
     for kind in kinds:
-        if missing := [name for name in kind.packages if name not in sys.modules and find_spec(name) is None]:
-            raise InputError(
-                f"{kind.title}: it needs the package {', '.join(missing)}, which is not installed: install weavesim "
-                f"again, or leave out {kind.name}"
-            )
+        check_installed(kind.title, kind.packages, f", or leave out {kind.name}")
+
+
+def check_installed(what: str, packages: Iterable[str], instead: str = "") -> None:
+    """Check, without importing any, that the packages are installed that something needs.
+
+    Raises:
+        InputError: one is not.
+    """
+    if missing := [name for name in packages if name not in sys.modules and find_spec(name) is None]:
+        raise InputError(
+            f"{what}: it needs the package {', '.join(missing)}, which is not installed: install weavesim "
+            f"again{instead}"
+        )
 
 
 class Loading:
@@ -53,8 +62,13 @@ class Loading:
     def begin(self) -> None:
         """Begin, once; not where this process has called all of them before."""
         if self._thread is None and not _done.issuperset(self._loads):
-            self._thread = threading.Thread(target=self._load, name="loading")
-            self._thread.start()
+            thread = threading.Thread(target=self._load, name="loading")
+            try:
+                thread.start()
+            except RuntimeError:  # the system has no room for another one
+                self._load()
+            else:
+                self._thread = thread
 
     def add(self, load: Callable[[], object]) -> None:
         """Call one more, before it has begun."""
@@ -76,7 +90,9 @@ class Loading:
             for load in self._loads:
                 try:
                     load()
-                except Exception as error:
+                except KeyboardInterrupt:
+                    raise
+                except BaseException as error:  # of a library that is broken, also what is no Exception
                     logger.info("%s: %s: %s", load.__qualname__, type(error).__name__, error)
                 _done.add(load)
         finally:

@@ -45,9 +45,7 @@ class Sharing:
         return self
 
     def __exit__(self, *reason: object) -> None:
-        copy, self._copy = self._copy, None
-        if copy is not None:
-            copy.end()
+        self._end()
 
     def finish(self, here: Callable[[int], object]) -> set[int]:
         """Do what nobody has taken, each piece by whoever is free, and return when all are done.
@@ -66,10 +64,17 @@ class Sharing:
                 own.add(number)
                 here(number)
             found = self._copy.done(max(LEAST_PATIENCE, PATIENCE * (time.monotonic() - self._started)))
+            # before its pieces are done again: a copy that is only slow would write the same files
+            self._end()
         for number in range(self._count):
             if number not in own | found:
                 here(number)
         return found
+
+    def _end(self) -> None:
+        copy, self._copy = self._copy, None
+        if copy is not None:
+            copy.end()
 
 
 def share(count: int, here: Callable[[int], object], there: Callable[[int], object]) -> set[int]:

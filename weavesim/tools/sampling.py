@@ -30,7 +30,7 @@ from .samples import candidates as candidates_module
 from .samples import tiles as tiles_module
 from .samples.candidates import nearest_candidates
 from .samples.grid import HALF_CELL, Grid, chosen_grid, preferred_spacing
-from .samples.stored import StoredArrays
+from .samples.stored import Inputs, StoredArrays
 from .samples.tiles import doubt_above, doubted_cells, filled_values, record_of
 from .solid_triangles import SolidTriangles
 
@@ -49,6 +49,13 @@ DOUBTFUL_ERROR = 0.1
 LARGEST_ERROR = 0.5
 # Samples of simplified triangles err by at most this beyond interpolation, in spacings.
 SIMPLIFIED_ERROR = 0.03
+
+
+# All that computes samples and lists: what is kept depends on them.
+SAMPLING_KERNELS = (
+    mesh_distance_kernel, fill_tiles_kernel, tell_sides_kernel, share_corners_kernel, doubt_cells_kernel,
+    mark_cells_kernel, count_nearest_kernel, list_nearest_kernel,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,19 +259,18 @@ def _sample(
 def _stored(triangles: SolidTriangles, grid: Grid, limits: tuple[float, ...]) -> StoredArrays:
     """Samples and lists of a mesh that an earlier command has kept: all that takes long."""
     meshes = {mesh.id: mesh for mesh in (triangles.mesh, triangles.near, triangles.far)}.values()
-    kernels = (
-        mesh_distance_kernel, fill_tiles_kernel, tell_sides_kernel, share_corners_kernel, doubt_cells_kernel,
-        mark_cells_kernel, count_nearest_kernel, list_nearest_kernel,
-    )  # fmt: skip
-    inputs = (
-        *(array.numpy() for mesh in meshes for array in (mesh.points, mesh.indices)),
-        *(grid.lower, grid.upper, grid.tiles, grid.first_voxel, triangles.surface.centre),
-        *(triangles.crossed, triangles.largest, grid.spacing, grid.reach),
-        *(triangles.mesh.id == triangles.near.id, triangles.near.id == triangles.far.id),
-        *limits,
-    )
+
+    def inputs() -> Inputs:
+        return (
+            *(array.numpy() for mesh in meshes for array in (mesh.points, mesh.indices)),
+            *(grid.lower, grid.upper, grid.tiles, grid.first_voxel, triangles.surface.centre),
+            *(triangles.crossed, triangles.largest, grid.spacing, grid.reach),
+            *(triangles.mesh.id == triangles.near.id, triangles.near.id == triangles.far.id),
+            *limits,
+        )
+
     files = (__file__, tiles_module.__file__, candidates_module.__file__, solid_triangles.__file__)
-    return StoredArrays(kernels, files, inputs, wp.get_device(triangles.device))
+    return StoredArrays(SAMPLING_KERNELS, files, inputs, wp.get_device(triangles.device))
 
 
 def _searched(grid: Grid, needed: float) -> float:

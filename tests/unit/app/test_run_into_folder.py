@@ -208,16 +208,24 @@ def test_other_names_of_folders(tmp_path, name):
     is_readable(tmp_path / name)
 
 
-@pytest.mark.parametrize(("interval", "synced"), [(0.0, []), (600.0, []), (1.0e-6, ["results", "gone"])])
-def test_results_are_on_the_disk_before_checkpoints_go(tmp_path, monkeypatch, interval, synced):
+@pytest.mark.parametrize(
+    ("interval", "short", "synced"),
+    [
+        (0.0, 60.0, []), (600.0, 60.0, []), (1.0e-6, 60.0, ["results", "gone"]),
+        # a long run without checkpoints
+        (0.0, 0.0, ["results", "gone"]), (600.0, 0.0, ["results", "gone"]),
+    ],
+)  # fmt: skip
+def test_results_are_on_the_disk_before_checkpoints_go(tmp_path, monkeypatch, interval, short, synced):
     """A short run, which has none, is not waited for."""
     done = []
 
     def sync(self):
-        assert list((tmp_path / "checkpoint").glob("0*.bin"))
+        assert bool(list((tmp_path / "checkpoint").glob("0*.bin"))) == (interval == 1.0e-6)
         done.append("results")
 
     monkeypatch.setattr(ResultFolder, "sync", sync)
+    monkeypatch.setattr("weavesim.app.run_into_folder.SHORT_RUN", short)
     folder = ResultFolder(tmp_path, writers=["summary"])
     run_into_folder(tiny_setup(1, short=True), folder, options={}, checkpoint_interval=interval)
     done += ["gone"] if done and not has_job(tmp_path) else []

@@ -49,6 +49,33 @@ def test_all_is_called_in_order_in_another_thread_and_a_failure_stops_nothing():
     assert called == ["first", "second"]
 
 
+def test_without_room_for_a_thread_all_is_called_at_once(monkeypatch):
+    def full(thread):
+        raise RuntimeError("can't start new thread")
+
+    called = []
+    monkeypatch.setattr(threading.Thread, "start", full)
+    loading = Loading([lambda: called.append(1)])
+    loading.begin()
+    loading.wait()
+    assert called == [1]
+
+
+def test_what_is_no_exception_stops_nothing_either():
+    called = []
+
+    def broken():
+        raise SystemExit(3)
+
+    def next_one():
+        called.append(1)
+
+    loading = Loading([broken, next_one])
+    loading.begin()
+    loading.wait()
+    assert called == [1] and loading.has(broken)
+
+
 def test_a_missing_package_is_told_before_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr(chosen_writers(["film"])[0], "packages", ("pxr", "no_such_package"))
     with pytest.raises(InputError, match="film: it needs the package no_such_package, which is not installed"):

@@ -68,6 +68,27 @@ def test_what_is_begun_and_not_finished_leaves_no_copy(tmp_path):
         os.kill(int((tmp_path / "copy").read_text()), 0)
 
 
+def test_a_silent_copy_is_gone_before_its_piece_is_done_here(tmp_path, monkeypatch):
+    monkeypatch.setattr(sharing, "LEAST_PATIENCE", 0.05)
+    monkeypatch.setattr(sharing, "PATIENCE", 0.0)
+
+    def there(number):
+        written(tmp_path, "copy")
+        time.sleep(60.0)
+
+    def here(number):
+        if number == 0:
+            with pytest.raises(ProcessLookupError):
+                os.kill(int((tmp_path / "copy").read_text()), 0)
+        done.append(number)
+
+    done = []
+    with Sharing(2, there) as begun:
+        wait_for(lambda: (tmp_path / "copy").exists() and (tmp_path / "copy").read_text())
+        assert begun.finish(here) == set()
+    assert done == [1, 0]
+
+
 def test_what_fails_in_the_copy_is_done_here(tmp_path):
     def fails(number):
         raise ValueError("in the copy")

@@ -7,7 +7,7 @@ import logging
 import os
 import shutil
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
@@ -50,17 +50,19 @@ class StoredArrays:
     Args:
         kernels: that compute them: their sources are part of the key, as those of the modules in ``files``.
         files: with the other code that computes them.
-        inputs: all that they depend on.
+        inputs: gives all that they depend on, where something may be kept.
         device: on which they are computed; of others than CPUs, which are fast, nothing is kept.
     """
 
-    def __init__(self, kernels: Sequence[wp.Kernel], files: Sequence[str], inputs: Inputs, device: wp.Device) -> None:
+    def __init__(
+        self, kernels: Sequence[wp.Kernel], files: Sequence[str], inputs: Callable[[], Inputs], device: wp.Device
+    ) -> None:
         self._folder: Path | None = None
         self._found: dict[str, np.ndarray] = {}
         self._is_new = False
         if _are_stored.get() and device.is_cpu:
             modules = [kernel_cache.folder_of(kernel, block_size(kernel, device)) for kernel in kernels]
-            self._folder = modules[0].parent / f"{kernel_cache.SAMPLES}{_digest(modules, files, inputs)}"
+            self._folder = modules[0].parent / f"{kernel_cache.SAMPLES}{_digest(modules, files, inputs())}"
             self._found = _read(self._folder)
 
     def get(self, *names: str) -> list[np.ndarray] | None:
@@ -87,8 +89,10 @@ class StoredArrays:
                 for name, values in self._found.items():
                     np.save(temporary / f"{name}.npy", values, allow_pickle=False)
                 kernel_cache.seal(temporary)
-                shutil.rmtree(self._folder, ignore_errors=True)
-                temporary.replace(self._folder)
+                # without one, which takes room too, nothing would find the samples or remove them
+                if (temporary / kernel_cache.SEAL_NAME).is_file():
+                    shutil.rmtree(self._folder, ignore_errors=True)
+                    temporary.replace(self._folder)
             finally:
                 shutil.rmtree(temporary, ignore_errors=True)
             kernel_cache.remove_unused(self._folder.parent)

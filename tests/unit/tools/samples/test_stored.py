@@ -128,7 +128,7 @@ def test_large_samples_are_not_kept(cache, monkeypatch):
     assert folders(cache) == []
 
 
-def test_old_samples_go_before_older_kernels(tmp_path):
+def test_samples_have_a_limit_of_their_own(tmp_path):
     for name, age in (("wp_kernel_1234567", 3e5), ("samples_1", 2e5), ("samples_2", 4e3), ("samples_3", 1.0)):
         folder = tmp_path / name
         folder.mkdir()
@@ -136,16 +136,18 @@ def test_old_samples_go_before_older_kernels(tmp_path):
         (folder / SEAL_NAME).write_text("{}")
         then = folder.stat().st_mtime - age
         os.utime(folder, (then, then))
-    remove_unused(tmp_path, largest_size=2100)
-    assert folders(tmp_path) == ["samples_3", "wp_kernel_1234567"]
+    remove_unused(tmp_path, largest_size=1100, largest_samples_size=2100)
+    assert folders(tmp_path) == ["samples_2", "samples_3", "wp_kernel_1234567"]
+    remove_unused(tmp_path, largest_size=1100, largest_samples_size=0)
+    assert folders(tmp_path) == ["wp_kernel_1234567"]
     remove_unused(tmp_path, largest_size=0)
-    assert folders(tmp_path) == ["samples_3"]  # used within an hour
+    assert folders(tmp_path) == []
 
 
 def test_nothing_is_kept_of_another_device():
     device = type("Cuda", (), {"is_cpu": False})()
     with samples_stored():
-        kept = stored_module.StoredArrays([], [], (), device)
+        kept = stored_module.StoredArrays([], [], lambda: pytest.fail("copied from the device"), device)
     kept.add(values=wp.zeros(3, device="cpu"))
     kept.keep()
     assert kept.get("values") is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -43,7 +44,8 @@ def start_of(checkout: Path, arguments: Sequence[str]) -> Start:
             if BEGIN in line:
                 break
         wall = time.perf_counter() - started
-        process.kill()
+        # not process.kill(), which would wait for one that has ended, and its usage would be lost
+        os.kill(process.pid, signal.SIGKILL)
         _, _, usage = os.wait4(process.pid, 0)
         process.returncode = 0
         process.stderr.close()

@@ -14,7 +14,7 @@ LARGEST_CODE = 65534
 COARSE_CODE = 1022
 NOT_A_NUMBER = 65535
 # The page opens it once: little time is worth more than few bytes, unless there are very many.
-_LEVEL, _COARSE_LEVEL = 1, 6
+_LEVEL, _COARSE_LEVEL = 3, 6
 
 
 def packed(values: np.ndarray, level: int = _LEVEL) -> str:

@@ -122,17 +122,18 @@ def test_a_writer_gets_what_it_missed_while_its_libraries_were_loaded(tmp_path, 
     assert seen == ["load", "start", *["frame"] * frame_count, "finish"]
 
 
-# Ends the command before its first step, with the names of the packages that it has imported.
+# Ends the command when libraries would begin to load beside its first step, with the names of the packages that it has
+# imported. At the step itself the thread that loads may be far ahead.
 _UP_TO_THE_FIRST_STEP = """
 import os, sys
 from weavesim.app.command_line import main
-from weavesim.engine.stepper import Stepper
+from weavesim.output.loading import Loading
 
 def end(*arguments):
     os.write(1, " ".join(sorted({name.partition(".")[0] for name in sys.modules})).encode())
     os._exit(0)
 
-Stepper._take_turn = end
+Loading.begin = end
 main()
 """
 

@@ -59,7 +59,7 @@ def _in_rows(types: LaneTypes, *rows: str) -> str:
 
 
 def _halved(types: LaneTypes, expression: str) -> str:
-    """C++ that makes one number of lanes by halves, ``low`` and ``high``: in sequence each would wait for the last."""
+    """C++ that makes one number of sixteen lanes by halves, ``low`` and ``high``: in sequence each would wait."""
     count, scalar = types.lane_count, f"wp::{types.real.__name__}"
     return f"""
         auto halved = [](auto low, auto high) {{ return {expression}; }};

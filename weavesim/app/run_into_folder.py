@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-# Writers that read the fields of the last frame at most; films, series and pages read those of all.
 # A shorter run [s] does not wait until its results are on the disk: it is soon computed again.
 SHORT_RUN = 60.0
+# Writers that read the fields of the last frame at most; films, series and pages read those of all.
 OF_LAST_FRAME = frozenset({"summary", "tables", "pictures", "results"})
 
 

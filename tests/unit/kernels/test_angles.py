@@ -1,22 +1,11 @@
 """Angles in lanes against NumPy, in both precisions, with one lane and with sixteen."""
 
 import numpy as np
-import pytest
 import warp as wp
 
-from weavesim.engine.layout import lanes_view
+from tests.support.lanes import scalars
 from weavesim.kernels.angles import angle_of
-from weavesim.kernels.lane_types import lane_types
 from weavesim.kernels.lanes import square_root
-
-
-@pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])
-def types(request, precision):
-    return lane_types(precision.real, request.param)
-
-
-def scalars(types, values) -> wp.array:
-    return lanes_view(wp.array(np.asarray(values), dtype=types.real, device="cpu"), types.lane_count)
 
 
 def test_angle_is_that_of_arctan2(types):

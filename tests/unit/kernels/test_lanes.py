@@ -3,12 +3,11 @@
 import re
 
 import numpy as np
-import pytest
 import warp as wp
 
+from tests.support.lanes import scalars
 from tests.support.paths import ROOT
 from weavesim.engine.layout import lanes_view
-from weavesim.kernels.lane_types import lane_types
 from weavesim.kernels.lanes import (
     cross,
     dot,
@@ -30,15 +29,6 @@ from weavesim.kernels.lanes import (
     where_positive,
 )
 from weavesim.kernels.operators import add, div, mul, sub  # noqa: F401
-
-
-@pytest.fixture(params=[1, 16], ids=["one lane", "sixteen lanes"])
-def types(request, precision):
-    return lane_types(precision.real, request.param)
-
-
-def scalars(types, values) -> wp.array:
-    return lanes_view(wp.array(np.asarray(values), dtype=types.real, device="cpu"), types.lane_count)
 
 
 def numbers(array: wp.array) -> np.ndarray:

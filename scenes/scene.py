@@ -225,7 +225,11 @@ def _scene_literals(source: str) -> dict[str, str]:
     """``name`` and ``help`` of the scene defined in a module; {} if it defines none."""
     # what stands before it takes ten times as long to parse
     _, begin, rest = source.partition("\nSCENE = Scene(")
-    for node in ast.parse(begin + rest).body:
+    try:
+        tree = ast.parse(begin + rest)
+    except SyntaxError:  # the line stands in a text before
+        tree = ast.parse(source)
+    for node in tree.body:
         match node:
             case ast.Assign(targets=[ast.Name(id="SCENE")], value=ast.Call(keywords=keywords)):
                 return {k.arg: ast.literal_eval(k.value) for k in keywords if k.arg in ("name", "help")}

@@ -15,7 +15,7 @@ from weavesim.app.jobs.rerun import repeatable
 from weavesim.job.build import setup_of
 from weavesim.job.read import read_job
 from weavesim.output.claim.record import frame_hash
-from weavesim.scenes.scene import known_scenes
+from weavesim.scenes.scene import _scene_literals, known_scenes
 
 pytestmark = pytest.mark.usefixtures("tools_sampled_once")
 
@@ -246,3 +246,9 @@ def test_a_strict_run_beyond_a_limit_ends_with_its_own_code(tmp_path):
     assert result.exit_code in (ExitCode.BEYOND_LIMITS, ExitCode.DO_NOT_USE), result.output
     assert "Verdict: beyond limits" in result.output
     assert (tmp_path / "out" / "verdict.json").is_file()
+
+
+def test_a_scene_whose_text_has_the_line_of_its_definition():
+    text = '"""Write\n\nSCENE = Scene(...)\n\nbelow."""\n\nSCENE = Scene(name="mine", help="a cup", run=None)\n'
+    assert _scene_literals(text) == {"name": "mine", "help": "a cup"}
+    assert _scene_literals("NOTHING = 1\n") == {}

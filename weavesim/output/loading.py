@@ -6,9 +6,11 @@ import logging
 import sys
 import threading
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from ..engine.threads import beside_steps, soon
 from ..errors import InputError
 
 if TYPE_CHECKING:
@@ -47,7 +49,7 @@ def check_installed(what: str, packages: Iterable[str], instead: str = "") -> No
 
 
 class Loading:
-    """Calls functions that import libraries, one after the other, in a thread of its own.
+    """Calls functions that import libraries, one after the other, in a thread of its own, to which runs leave a core.
 
     What fails is logged only: whoever needs the library imports it again, and says why it cannot.
 
@@ -61,18 +63,23 @@ class Loading:
 
     def begin(self) -> None:
         """Begin, once; not where this process has called all of them before."""
-        if self._thread is None and not _done.issuperset(self._loads):
-            thread = threading.Thread(target=self._load, name="loading")
-            try:
-                thread.start()
-            except RuntimeError:  # the system has no room for another one
-                self._load()
-            else:
-                self._thread = thread
+        if self._thread is not None or _done.issuperset(self._loads):
+            return
+        meanwhile = ExitStack()
+        # before the thread begins: the next step is done at once
+        meanwhile.enter_context(beside_steps())
+        meanwhile.enter_context(soon(SWITCH_INTERVAL))
+        thread = threading.Thread(target=self._load, args=(meanwhile,), name="loading")
+        try:
+            thread.start()
+        except RuntimeError:  # the system has no room for another one
+            self._load(meanwhile)
+        else:
+            self._thread = thread
 
     def add(self, load: Callable[[], object]) -> None:
-        """Call one more, before it has begun."""
-        self._loads.append(load)
+        """Call one more, before all others, and before it has begun."""
+        self._loads.insert(0, load)
 
     def has(self, load: Callable[[], object]) -> bool:
         """Whether a function has returned in this process."""
@@ -83,10 +90,8 @@ class Loading:
         if self._thread is not None:
             self._thread.join()
 
-    def _load(self) -> None:
-        before = sys.getswitchinterval()
-        sys.setswitchinterval(min(before, SWITCH_INTERVAL))
-        try:
+    def _load(self, meanwhile: ExitStack) -> None:
+        with meanwhile:
             for load in self._loads:
                 try:
                     load()
@@ -95,5 +100,3 @@ class Loading:
                 except BaseException as error:  # of a library that is broken, also what is no Exception
                     logger.info("%s: %s: %s", load.__qualname__, type(error).__name__, error)
                 _done.add(load)
-        finally:
-            sys.setswitchinterval(before)

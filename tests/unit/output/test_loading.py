@@ -3,10 +3,12 @@
 import subprocess
 import sys
 import threading
+from functools import partial
 
 import pytest
 
 from tests.support.processes import COARSE, ENOUGH, environment
+from weavesim.engine.threads import ThreadChoice
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder, Writer, chosen_writers
 from weavesim.output import loading as loading_module
@@ -41,12 +43,35 @@ def test_all_is_called_in_order_in_another_thread_and_a_failure_stops_nothing():
     assert not called and not loading.has(second)
     loading.begin()
     loading.wait()
-    assert called == ["first", "second"] and threading.current_thread() not in threads
+    assert called == ["second", "first"] and threading.current_thread() not in threads
     assert loading.has(first) and loading.has(second) and sys.getswitchinterval() == before
     again = Loading([first, second])
     again.begin()
     again.wait()
-    assert called == ["first", "second"]
+    assert called == ["second", "first"]
+
+
+def test_runs_leave_a_core_to_it_from_the_moment_it_begins(monkeypatch):
+    monkeypatch.setattr("weavesim.engine.threads.available_threads", lambda: 2)
+    choice, gate = ThreadChoice((1, 2)), threading.Event()
+    loading = Loading([lambda: gate.wait(30.0)])
+    assert choice.present() is choice
+    loading.begin()
+    assert choice.present().counts == (1,)
+    gate.set()
+    loading.wait()
+    assert choice.present() is choice
+
+
+def test_two_that_load_at_once_leave_the_turns_of_threads_as_they_were():
+    before, gates = sys.getswitchinterval(), [threading.Event(), threading.Event()]
+    both = [Loading([partial(gate.wait, 30.0)]) for gate in gates]
+    for loading in both:
+        loading.begin()
+    for gate, loading in zip(gates, both, strict=True):  # the first to begin is the first to end
+        gate.set()
+        loading.wait()
+    assert sys.getswitchinterval() == before
 
 
 def test_without_room_for_a_thread_all_is_called_at_once(monkeypatch):

@@ -74,10 +74,9 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
         # omits such an expression from the hash, and would use the compiled kernel of another tuple of kinds.
         @wp.func
         def part_distance(part: ToolPart, p: lanes3):
-            distance, normal = others(part, p)
             if part.kind == wp.static(number):
-                distance, normal = distance_of(part, p)
-            return distance, normal
+                return distance_of(part, p)
+            return others(part, p)
 
         return part_distance
 
@@ -133,6 +132,17 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     part_clearance, away = part_clearance_function(real, lane_count), away_function(real, lane_count)
 
     @wp.func
+    def nearer_part(
+        k: wp.int32, part_distance: lanes, part_normal: lanes3, distance: lanes, normal: lanes3
+    ):
+        if k == 0:
+            return part_distance, part_normal
+        nearer = distance - part_distance
+        for c in range(3):
+            normal[c] = where_positive(nearer, part_normal[c], normal[c])
+        return where_positive(nearer, part_distance, distance), normal
+
+    @wp.func
     def tool_distance(
         parts: wp.array(dtype=ToolPart), tool: Tool, displacement: wp.float64, x: lanes3, remainder: lanes3
     ):
@@ -150,14 +160,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
             if wp.static("volume" in shape_kinds):
                 part_c = part_clearance(part, part_d)
                 clearance = part_c if k == 0 else smaller(clearance, part_c)
-            if k == 0:
-                distance = part_d
-                normal = part_n
-            else:
-                nearer = distance - part_d
-                distance = where_positive(nearer, part_d, distance)
-                for c in range(3):
-                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+            distance, normal = nearer_part(k, part_d, part_n, distance, normal)
         if wp.static("volume" not in shape_kinds):
             clearance = distance
         return distance, normal, clearance

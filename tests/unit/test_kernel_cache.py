@@ -377,3 +377,41 @@ def test_another_thread_is_left_alone():
         thread.join()
         assert kernel_cache._hashing.known
     assert found == [None, hash_of(_calls_third)]
+
+
+def test_threads_that_hash_once_may_end_in_any_order_and_all_hear_of_an_overload():
+    plain, add_overload = context.ModuleHasher, context.Function.add_overload
+    knows, changed, ends = (threading.Event() for _ in range(3))
+    found = []
+
+    @wp.func
+    def halved(x: float):
+        return 0.5 * x
+
+    @wp.kernel
+    def calls_halved(x: wp.array(dtype=float)):
+        x[0] = halved(x[0])
+
+    def elsewhere():
+        with hashed_once():
+            found.append(hash_of(calls_halved))
+            knows.set()
+            assert changed.wait(30.0)
+            found.append(hash_of(calls_halved))
+            assert ends.wait(30.0)
+
+    thread = threading.Thread(target=elsewhere)
+    with hashed_once():
+        thread.start()
+        assert knows.wait(30.0)
+
+        @wp.func
+        def halved(x: int):
+            return x // 2
+
+        changed.set()
+    assert context.ModuleHasher is not plain
+    ends.set()
+    thread.join()
+    assert (context.ModuleHasher, context.Function.add_overload) == (plain, add_overload)
+    assert found[0] != found[1] == hash_of(calls_halved)

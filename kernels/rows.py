@@ -97,10 +97,6 @@ class CellReportRow(Rows):
     warp_impulse = "N s/m", "force along the warp at the last step, with its correction, times the mean step"
     weft_impulse = "N s/m", "the same along the weft"
     moment_impulse = "N s/m", "shear moment of the cell at the last step times the mean step"
-    first_by_warp = "1", "derivative of the first unknown by the warp's elongation at the last step, if the cell tells"
-    first_by_weft = "1", "the same by that of the weft"
-    second_by_warp = "1", "derivative of the second unknown by the warp's elongation"
-    second_by_weft = "1", "the same by that of the weft"
 
 
 class SlipRow(Rows):

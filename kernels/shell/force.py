@@ -143,8 +143,7 @@ def couple_conjugates(area: Any, x: Any, r: Any, h: Any, v: Any):
 @wp.func
 def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
     """On a GPU, start to fetch what is read after the cell has written its unknowns."""
-    # without what only cells in several lanes read
-    expect_rows(cell_report, 0, wp.static(int(CellReportRow.first_by_warp)), block)
+    expect_rows(cell_report, 0, wp.static(CellReportRow.row_count()), block)
     expect(elements.yarn_inertia, block)
     expect(elements.area, block)
 

@@ -40,6 +40,11 @@ def beside_steps() -> Iterator[None]:
             _beside_count -= 1
 
 
+def anyone_beside() -> bool:
+    """Whether any thread is in ``beside_steps``."""
+    return _beside_count > 0
+
+
 @contextmanager
 def soon(interval: float) -> Iterator[None]:
     """Inside this context, a thread that wants to run Python gets its turn within ``interval`` [s], or what it was.

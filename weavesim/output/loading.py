@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import gc
 import logging
 import sys
 import threading
@@ -121,3 +122,5 @@ class Loading:
                 except BaseException as error:  # of a library that is broken, also what is no Exception
                     logger.info("%s: %s: %s", load.__qualname__, type(error).__name__, error)
                 _done.add(load)
+                if gc.get_freeze_count():  # within a run that searches for garbage only in what it makes itself
+                    gc.freeze()

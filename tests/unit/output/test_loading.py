@@ -1,5 +1,6 @@
 """Libraries of writers are loaded beside the first steps of a run; what is not installed is told before it."""
 
+import gc
 import subprocess
 import sys
 import threading
@@ -74,6 +75,22 @@ def test_two_that_load_at_once_leave_the_turns_of_threads_as_they_were():
         gate.set()
         loading.wait()
     assert sys.getswitchinterval() == before
+
+
+def test_what_libraries_make_is_not_searched_for_garbage_in_a_run_that_searches_only_its_own():
+    made = []
+    assert gc.get_freeze_count() == 0
+    for freezes in (False, True):
+        if freezes:
+            gc.freeze()
+        before = gc.get_freeze_count()
+        try:
+            loading = Loading([lambda: made.extend([{}] for _ in range(1000))])
+            loading.begin()
+            loading.wait()
+            assert (gc.get_freeze_count() >= before + 1000) is freezes
+        finally:
+            gc.unfreeze()
 
 
 def test_without_room_for_a_thread_all_is_called_at_once(monkeypatch):

@@ -1,11 +1,13 @@
 """Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lane_types import lane_types, step_options
+from ..fetching import expect_next
+from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
 from ..lanes import dot, rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, vector_of
@@ -21,11 +23,29 @@ from .node_advance import (
 )
 from .node_data import NodeTraits, node_laws_struct, node_struct, present_struct, surroundings_struct
 from .node_forces import (
+    USUAL_CORNER_COUNT,
     apply_loads_function,
     follow_angle_function,
     follow_thickness_function,
     gather_corners_function,
 )
+
+
+@wp.func
+def expect_next_nodes(block: int, nodes: Any, motion: Any, works: Any):
+    """Start to fetch what the next block reads beyond what elements have just read: that is in the cache.
+
+    Counts are constants: loops over as many rows as there are made a step of 99,856 elements 6 % slower.
+    """
+    if nodes.looks_ahead == 1:
+        expect_next(nodes.corner_offset, 0, wp.static(USUAL_CORNER_COUNT), block)
+        expect_next(nodes.mass, block)
+        expect_next(nodes.inverse_mass, block)
+        expect_next(nodes.inverse_inertia, block)
+        expect_next(nodes.angle_weight, block)
+        expect_next(nodes.freedom, block)
+        expect_next(motion, MOTION_RECORD_LENGTH, wp.static(MotionRow.row_count() - MOTION_RECORD_LENGTH), block)
+        expect_next(works, 0, wp.static(int(NodeWorkRow.load_work)), block)
 
 
 @cache
@@ -57,6 +77,8 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         motion: wp.array2d(dtype=lanes),
         works: wp.array2d(dtype=lanes),
     ):
+        if wp.static(lane_count > GPU_LANE_COUNT):
+            expect_next_nodes(block, nodes, motion, works)
         present = Present()
         present.block = block
         present.step = real(clock[ClockEntry.step])

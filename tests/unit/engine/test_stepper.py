@@ -208,12 +208,15 @@ def test_threads_may_change_during_a_run(monkeypatch):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_constants_side_by_side_change_no_bit(monkeypatch, precision, threads):
+def test_constants_side_by_side_and_fetched_ahead_change_no_bit(monkeypatch, precision, threads):
     whole = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
     monkeypatch.setattr(sheet_model, "LARGE_SHEET", 0)
     together = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
     lines = [run.stepper.model.sheets[0].elements.corner_node.strides for run in (whole, together)]
     assert lines[1][-1] > lines[0][-1]
+    models = [run.stepper.model.sheets[0] for run in (whole, together)]
+    assert [(model.elements.looks_ahead, model.nodes.looks_ahead) for model in models] == [(0, 0), (1, 1)]
+    assert [model.elements_single.looks_ahead for model in models] == [0, 0]
     for run in (whole, together):
         run.stepper.advance(12)
     assert arrived(together) == arrived(whole)

@@ -56,18 +56,25 @@ class MotionRow(Rows):
     position = "m", "position, rounded to the precision of the run", 3
     mean_angle = "rad", "mean shear angle of the elements around the node"
     remainder = "m", "what rounding cut off the position", 3
-    beside_remainder = "1", "not used"
+    velocity_remainder_x = "m/s", "what rounding cut off the velocity, along x"
     director = "1", "unit director", 3
-    beside_director = "1", "not used"
+    velocity_remainder_y = "m/s", "along y"
     velocity = "m/s", "velocity, half a step before the position", 3
-    beside_velocity = "1", "not used"
+    velocity_remainder_z = "m/s", "along z"
     spin = "1/s", "rate at which the director turns, half a step before it", 3
-    velocity_remainder = "m/s", "what rounding cut off the velocity", 3
 
 
 MOTION_RECORD_LENGTH = int(MotionRow.spin)
-# Vectors of the motion array.
-MOTION_VECTORS = tuple(row.name for row in MotionRow if row.width == 3)
+# Rows of each vector of the motion array; the remainder of the velocity has the places behind three others.
+MOTION_VECTORS = {row.name: (row, row + 1, row + 2) for row in MotionRow if row.width == 3} | {
+    "velocity_remainder": (
+        MotionRow.velocity_remainder_x,
+        MotionRow.velocity_remainder_y,
+        MotionRow.velocity_remainder_z,
+    )
+}
+# Its index among them, as ``MotionRow.velocity.vector``.
+VELOCITY_REMAINDER = list(MOTION_VECTORS).index("velocity_remainder")
 
 
 class CornerRow(Rows):

@@ -8,9 +8,9 @@ import warp as wp
 from ..contact.penalty import touch_struct
 from ..fetching import expect_next
 from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
-from ..lanes import dot, rows3
+from ..lanes import dot, from_rows, rows3
 from ..operators import add, div, mul, sub  # noqa: F401
-from ..records import SCALAR, record3, record4, vector_of
+from ..records import SCALAR, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .carried_contact import meeting_function
 from .node_advance import (
@@ -86,10 +86,13 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         place = record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
         present.position = vector_of(place)
         present.mean_angle = place[SCALAR]
-        present.remainder = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
-        present.velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
-        present.velocity_remainder = rows3(motion, MotionRow.velocity_remainder, block)
-        present.director = record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
+        rest = record4(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
+        director = record4(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
+        velocity = record4(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
+        present.remainder = vector_of(rest)
+        present.velocity = vector_of(velocity)
+        present.velocity_remainder = from_rows(rest[SCALAR], director[SCALAR], velocity[SCALAR])
+        present.director = vector_of(director)
         present.spin = rows3(motion, MotionRow.spin, block)
         present.mass = nodes.mass[block]
         present.inverse_mass = nodes.inverse_mass[block]
@@ -134,12 +137,12 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
                 present, laws, around.tools, force, touch, works
             )
-        acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
+        acceleration, free, velocity, cut = translate(present, laws, force, applied_force)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
-        place(present, laws.tool_count, travel, velocity, motion, touch)
-        spin_sum, spin_loss = turn(present, laws, couple, motion)
+        place(present, laws.tool_count, travel, velocity, cut, motion, touch)
+        spin_sum, spin_loss = turn(present, laws, couple, cut[1], motion)
         if wp.static(traits.sampled):
             note_motion(block, travel, present.step * (spin_sum - present.spin), touch)
         middle = real(0.5) * (present.velocity + velocity)

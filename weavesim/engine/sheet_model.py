@@ -17,6 +17,7 @@ from ..kernels.rows import (
     MOTION_RECORD_LENGTH,
     MOTION_VECTORS,
     ROWS_PER_CORNER,
+    VELOCITY_REMAINDER,
     CornerRow,
     LoadRow,
     MotionRow,
@@ -52,7 +53,7 @@ SPARE_NODE_COUNT = 4
 # Elements from which constants lie together block by block (docs/decisions/0066), and a block asks for the next (0076).
 LARGE_SHEET = 4096
 # Rows of the motion array that make each of MOTION_VECTORS, (vectors, 3).
-_VECTOR_ROWS = np.array([np.arange(MotionRow.row_count())[MotionRow[name].span] for name in MOTION_VECTORS])
+_VECTOR_ROWS = np.array(list(MOTION_VECTORS.values()))
 
 
 @dataclass(frozen=True)
@@ -385,7 +386,7 @@ class SheetModel:
         count = self.blank.node_count
         rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
         position, velocities, director = (rows[MotionRow[name].vector] for name in ("position", "velocity", "director"))
-        remainder, velocity_remainder = rows[MotionRow.remainder.vector], rows[MotionRow.velocity_remainder.vector]
+        remainder, velocity_remainder = rows[MotionRow.remainder.vector], rows[VELOCITY_REMAINDER]
         position[:count] = self.blank.node_position
         # the padding square may be anywhere: its nodes have no contact stiffness
         position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]

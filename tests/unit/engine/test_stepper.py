@@ -168,7 +168,7 @@ def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, lau
     load_kernel(check_clock, simulation.model.device)
     simulation.stepper.launches_intervals = launches_intervals
     motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)
-    motion[MOTION_VECTORS.index(row), 60, 1] = value
+    motion[list(MOTION_VECTORS).index(row), 60, 1] = value
     simulation.model.sheet.write_motion(simulation.state.sheet.motion, motion)
     simulation.stepper.advance_to(1.0)
     # that of the first block, or of the first turn of several

@@ -91,7 +91,7 @@ CORNER_ROW_COUNT = 4 * ROWS_PER_CORNER
 
 
 class CellReportRow(Rows):
-    """Report of the unit cell of each element: what every step reads and writes, slopes, then what some steps do."""
+    """Report of the unit cell of each element: what every step reads and writes, then what some do."""
 
     iterations = "1", "iterations of this step"
     worst_residual = "1", "worst relative residual so far"
@@ -101,10 +101,6 @@ class CellReportRow(Rows):
     weft_strain = "1", "weft stretch - 1 at the last step"
     warp_impulse = "N s/m", "force along the warp at the last step, with its correction, times the mean step"
     weft_impulse = "N s/m", "the same along the weft"
-    first_by_warp = "1", "derivative of the first unknown by the warp's elongation at the last step, if the cell tells"
-    first_by_weft = "1", "the same by that of the weft"
-    second_by_warp = "1", "derivative of the second unknown by the warp's elongation"
-    second_by_weft = "1", "the same by that of the weft"
     shear_angle = "rad", "shear angle at the last step, if the cell depends on it"
     moment_impulse = "N s/m", "shear moment of the cell at the last step times the mean step"
     snap_loss = "J/m^2", "energy lost in snaps so far"

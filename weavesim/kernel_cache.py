@@ -136,7 +136,10 @@ class _Open(set[Any]):
         return found
 
 
-_hashing = threading.local()  # known: hashes of functions, for the thread that is in ``hashed_once``
+_hashing = threading.local()  # known: hashes of functions, for a thread that is in ``hashed_once``
+_changing = threading.Lock()
+_remembered: list[dict[Any, bytes]] = []  # what the threads that are in ``hashed_once`` know
+_replaced: list[Any] = []  # what was in Warp before
 
 
 @contextmanager
@@ -144,11 +147,30 @@ def hashed_once() -> Iterator[None]:
     """Have Warp hash a device function once for all kernels that this thread hashes here, not for each that calls it.
 
     Hashes are what they would be. What functions refer to must not change meanwhile; they may get further overloads:
-    then all is hashed again. One thread at a time, see ``exclusive``.
+    then all is hashed again. Within itself it does nothing.
     """
     if getattr(_hashing, "known", None) is not None:
         yield
         return
+    known: dict[Any, bytes] = {}
+    with _changing:
+        if not _remembered:
+            _replace_hasher()
+        _remembered.append(known)
+    _hashing.known = known
+    try:
+        yield
+    finally:
+        _hashing.known = None
+        with _changing:
+            _remembered[:] = [other for other in _remembered if other is not known]
+            if not _remembered:
+                context: Any = import_module("warp._src.context")
+                context.ModuleHasher, context.Function.add_overload = _replaced
+
+
+def _replace_hasher() -> None:
+    """Have Warp use what ``hashed_once`` knows."""
     context: Any = import_module("warp._src.context")
     plain: Any = context.ModuleHasher
     add_overload = context.Function.add_overload
@@ -175,17 +197,13 @@ def hashed_once() -> Iterator[None]:
 
     def add(function: Any, overload: Any) -> None:
         # a struct gives constructors to itself only, when it is made
-        if function is not overload and not function.is_builtin() and getattr(_hashing, "known", None):
-            _hashing.known.clear()
+        if function is not overload and not function.is_builtin():
+            for known in tuple(_remembered):
+                known.clear()
         add_overload(function, overload)
 
-    _hashing.known = {}
+    _replaced[:] = plain, add_overload
     context.ModuleHasher, context.Function.add_overload = Hasher, add
-    try:
-        yield
-    finally:
-        context.ModuleHasher, context.Function.add_overload = plain, add_overload
-        _hashing.known = None
 
 
 @dataclass(frozen=True)

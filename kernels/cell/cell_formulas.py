@@ -22,42 +22,44 @@ TANGENT_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 LEAST_STIFFNESS = 1.0e-12
 # Least pivot of a matrix that counts as positive definite, over its diagonal entry.
 LEAST_PIVOT = 1.0e-9
+# What a cell answers.
+ANSWERS = ("energy", "warp_force", "weft_force", "moment", "pressure", "residual")
 # Second derivatives by row and column, the row not before the column.
 Second = Mapping[tuple[int, int], Expression]
 
 
-@dataclass(frozen=True)
-class StateRows:
-    """Rows of the state of a block of cells: strains (stretches - 1, shear angle), and those of Newton's method."""
+def state_names(unknown_count: int) -> list[str]:
+    """Strains (stretches - 1, shear angle), unknowns, and the shift of the unknowns' matrix."""
+    return [*(f"strain{k}" for k in range(STRAIN_COUNT)), *(f"unknown{k}" for k in range(unknown_count)), "shift"]
 
-    unknown_count: int
 
-    def names(self) -> tuple[str, ...]:
-        n = range(self.unknown_count)
-        strains = [f"strain{k}" for k in range(STRAIN_COUNT)]
-        unknowns = [f"{kind}{k}" for kind in ("unknown", "change") for k in n]
-        return (*strains, *unknowns, "shift", "slope", "before", "stiffest", "active", "iterations")
-
-    def row(self, name: str) -> int:
-        return self.names().index(name)
+def newton_names(unknown_count: int) -> list[str]:
+    """What Newton's method keeps from one evaluation to the next, besides unknowns and shift."""
+    return [*(f"change{k}" for k in range(unknown_count)), "slope", "before", "active", "iterations"]
 
 
 @dataclass(frozen=True)
 class CellFormulas:
-    """Formulas of one cell, of its parameters and of its state (``StateRows``).
+    """Formulas of one cell, of its parameters and its state (``state_names``).
+
+    Newton's method goes from ``evaluation`` to ``advance`` until no lane is active. The latter needs only what the
+    former tells, as symbols, and is left out in the end.
 
     Attributes:
         unknown_count: of the cell.
-        first: energy, its derivatives by the strains, crossover pressure, relative residual.
-        iteration: the state after one iteration of Newton's method.
+        evaluation: by name: ``ANSWERS``; whether it is not in equilibrium ("active", 1 or 0); and what varies of the
+            forces on the unknowns ("force0") and of the second derivatives by them ("second3_0").
+        advance: unknowns, shift and ``newton_names`` after a step, by name.
+        follow: derivatives of unknowns in equilibrium by strains that are not zero, by the numbers of both.
         tangent: C11, C12, C22, C13, C23, C33, and whether the unknowns' matrix was positive definite, 1 or 0.
         slopes: derivatives of the energy by strains and unknowns.
         parts: of the energy.
     """
 
     unknown_count: int
-    first: list[Expression]
-    iteration: list[Expression]
+    evaluation: dict[str, Expression]
+    advance: dict[str, Expression]
+    follow: dict[tuple[int, int], Expression]
     tangent: list[Expression]
     slopes: list[Expression]
     parts: list[Expression]
@@ -70,7 +72,7 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
         Unreadable: if a function cannot be read as a formula.
     """
     graph = Graph()
-    state = {name: graph.symbol(name) for name in StateRows(unknown_count).names()}
+    state = {name: graph.symbol(name) for name in (*state_names(unknown_count), *newton_names(unknown_count))}
     x = list(state.values())[: STRAIN_COUNT + unknown_count]
     members: dict[str, Any] = {}
     for name, length in fields:
@@ -93,11 +95,14 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
     second = {(i, j): along[j](slopes[i]) for i in range(len(x)) for j in range(i + 1)}
     crossover = formula(pressure, 1) if pressure is not None else [graph.number(0.0)]
     inner = Matrix(graph, unknown_count, second, state["shift"])
-    balance = Balance(graph, slopes, state["stiffest"])
+    balance = Balance(graph, slopes, second, state)
+    answers = (total, *slopes[:STRAIN_COUNT], *crossover, balance.residual)
+    told = Told(graph, slopes, second, unknown_count)
     return CellFormulas(
         unknown_count,
-        first=[total, *slopes[:STRAIN_COUNT], *crossover, balance.residual],
-        iteration=iteration(total, slopes, second, inner, state),
+        evaluation=dict(zip(ANSWERS, answers, strict=True)) | {"active": balance.active} | told.outputs,
+        advance=iteration(told.forces, told.second, Matrix(graph, unknown_count, told.second, state["shift"]), state),
+        follow=following(graph, unknown_count, told.second),
         tangent=[*condensed(graph, unknown_count, second, inner), graph.choice(inner.definite, *numbers(graph, 1, 0))],
         slopes=slopes,
         parts=part_list,
@@ -106,6 +111,28 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
 
 def numbers(graph: Graph, *values: float) -> list[Expression]:
     return [graph.number(value) for value in values]
+
+
+class Told:
+    """Forces on the unknowns and second derivatives by them, as an evaluation tells them: as symbols where they vary.
+
+    Attributes:
+        outputs: those that vary, by the names of the symbols.
+        forces: on the unknowns.
+        second: the second derivatives by an unknown and a strain or unknown.
+    """
+
+    def __init__(self, graph: Graph, slopes: Sequence[Expression], second: Second, unknown_count: int):
+        self.outputs: dict[str, Expression] = {}
+        rows = range(STRAIN_COUNT, STRAIN_COUNT + unknown_count)
+        self.forces = [self._symbol(graph, f"force{i - STRAIN_COUNT}", slopes[i]) for i in rows]
+        self.second = {(i, j): self._symbol(graph, f"second{i}_{j}", second[i, j]) for i in rows for j in range(i + 1)}
+
+    def _symbol(self, graph: Graph, name: str, value: Expression) -> Expression:
+        if value.uniform:
+            return value
+        self.outputs[name] = value
+        return graph.symbol(name)
 
 
 class Matrix:
@@ -161,6 +188,16 @@ class Matrix:
             for j in self.order[place + 1 :]:
                 found[k] = found[k] - self.lower[j, k] * found[j]
         return [found[k] for k in range(self.size)]
+
+
+def following(graph: Graph, unknown_count: int, second: Second) -> dict[tuple[int, int], Expression]:
+    """-psi_qq^-1 psi_qs: derivatives by (unknown, strain), without those that are zero."""
+    inner = Matrix(graph, unknown_count, second, graph.number(0.0))
+    entries = {}
+    for i in range(STRAIN_COUNT):
+        moved = inner.solved([-second[STRAIN_COUNT + k, i] for k in range(unknown_count)])
+        entries |= {(k, i): entry for k, entry in enumerate(moved) if not entry.is_equal(0.0)}
+    return dict(sorted(entries.items()))
 
 
 def condensed(graph: Graph, unknown_count: int, second: Second, inner: Matrix) -> list[Expression]:

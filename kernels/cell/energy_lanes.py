@@ -19,9 +19,9 @@ from ..formula.writer import Constants, lane_loop
 from ..lane_types import ALL_LANE_TYPES, CPU_LANE_COUNT, GPU_LANE_COUNT, lane_types
 from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
-from .cell_formulas import STRAIN_COUNT, CellFormulas, StateRows, cell_formulas
+from .cell_formulas import ANSWERS, STRAIN_COUNT, CellFormulas, cell_formulas, state_names
 from .energy_cell import CellFunctions, energy_cell
-from .lane_newton import ENERGY, PRESSURE, RESIDUAL, SLOPE, equilibrium_function, tangent_function
+from .lane_newton import equilibrium_text, found_names, tangent_function
 from .law import CellLaw
 
 logger = logging.getLogger(__name__)
@@ -31,6 +31,9 @@ SNAP_CHANGE = wp.constant(real(0.05))
 LANE_COUNTS = (GPU_LANE_COUNT, CPU_LANE_COUNT)
 # Tangents are also taken in tension: with slack yarns stretched by this much.
 PULL = wp.constant(real(1.0e-3))
+# Rows of ``found_names``.
+ENERGY, FORCE, PRESSURE, RESIDUAL = (ANSWERS.index(name) for name in ("energy", "warp_force", "pressure", "residual"))
+ITERATIONS, FIRST_UNKNOWN = len(ANSWERS), len(ANSWERS) + 1
 
 for _types in ALL_LANE_TYPES:
     _double = lane_types(real, _types.lane_count).lanes
@@ -90,11 +93,10 @@ def lane_cell(
     name: str, formulas: CellFormulas, part_names: tuple[str, ...] = ("unit_cell",), depends_on_shear: bool = True
 ) -> CellLaw:
     """A cell from the formulas of its energy."""
-    n, constants = formulas.unknown_count, Constants()
-    first, iterate, tangent_at, slopes, parts = compiled_functions(formulas, constants)
-    state_of, unknowns_of = state_functions(n)
-    equilibrium, tangent_of = equilibrium_function(n, first, iterate), tangent_function(n, tangent_at)
-    tangent, stable_tangent = tangent_functions(equilibrium, tangent_of, state_of)
+    n, followed, constants = formulas.unknown_count, tuple(formulas.follow), Constants()
+    equilibrium, tangent_at, slopes, parts = compiled_functions(formulas, constants)
+    state_of, tangent_of = state_function(n), tangent_function(n, tangent_at)
+    tangent, stable_tangent = tangent_functions(n, equilibrium, tangent_of, state_of)
     return CellLaw(
         name=name,
         parameters=lambda precision: constants_struct(len(constants)),
@@ -104,11 +106,13 @@ def lane_cell(
         depends_on_shear=depends_on_shear,
         lane_by_lane=False,
         stable_state_count=2,
-        solve=solve_function(n, equilibrium, state_of, unknowns_of),
+        solve=solve_function(n, len(followed), equilibrium),
         energies=energies_function(parts, state_of, len(part_names)),
         tangent=tangent,
         stable_tangent=stable_tangent,
-        snap_loss=snap_loss_function(n, first, slopes, state_of),
+        snap_loss=snap_loss_function(n, slopes, state_of),
+        follow=follow_function(n, followed) if followed else None,
+        slope_count=len(followed),
     )
 
 
@@ -116,20 +120,36 @@ def lane_cell(
 
 
 def compiled_functions(formulas: CellFormulas, constants: Constants) -> list[wp.Function]:
-    """Warp functions (p, x) -> a row of lanes per formula.
+    """Warp functions: the equilibrium, and (p, x) -> a row of lanes per formula.
 
-    They are those of ``first``, ``iteration``, ``tangent``, ``slopes`` and ``parts``.
+    The latter are those of ``tangent``, of the energy and ``slopes``, and of ``parts``.
     """
-    names = StateRows(formulas.unknown_count).names()
+    names = state_names(formulas.unknown_count)
     read = {name: f"x.data[{row}][i]" for row, name in enumerate(names)}
-    groups = (formulas.first, formulas.iteration, formulas.tangent, formulas.slopes, formulas.parts)
+    groups = (formulas.tangent, [formulas.evaluation["energy"], *formulas.slopes], formulas.parts)
     # all of them first: together they determine the constants
+    solved = [equilibrium_text(formulas, constants, types) for types in ALL_LANE_TYPES]
     written = [[lane_loop(group, constants, read, count, "double") for count in LANE_COUNTS] for group in groups]
     Cell = constants_struct(len(constants))
     return [
-        compiled_function(snippets, Cell, len(names), len(group))
-        for group, snippets in zip(groups, written, strict=True)
+        equilibrium_function(solved, Cell, max(formulas.unknown_count, 1), len(found_names(formulas))),
+        *(
+            compiled_function(snippets, Cell, len(names), len(group))
+            for group, snippets in zip(groups, written, strict=True)
+        ),
     ]
+
+
+def equilibrium_function(written: Sequence[str], Cell: Any, unknown_rows: int, rows: int) -> wp.Function:
+    """Warp function (p, strains, q) -> rows of ``found_names``, with an overload for all kinds of lanes."""
+    for types, snippet in zip(ALL_LANE_TYPES, written, strict=True):
+        lanes, kind = types.lanes, (types.lane_count, types.real)
+        Unknowns, Rows = (wp.types.matrix((count, kind[0]), kind[1]) for count in (unknown_rows, rows))
+
+        @wp.func_native(snippet)
+        def equilibrium(p: Cell, warp_strain: lanes, weft_strain: lanes, shear_angle: lanes, q: Unknowns) -> Rows: ...
+
+    return equilibrium
 
 
 def compiled_function(written: Sequence[str], Cell: Any, state_rows: int, rows: int) -> wp.Function:
@@ -148,47 +168,83 @@ def compiled_function(written: Sequence[str], Cell: Any, state_rows: int, rows: 
 
 
 @cache
-def state_functions(n: int) -> tuple[wp.Function, wp.Function]:
-    """Warp functions (strains, q) -> x, and (x, matrix like q) -> q."""
-    row_count = len(StateRows(n).names())
+def state_function(n: int) -> wp.Function:
+    """Warp function (strains, q) -> x."""
+    row_count = len(state_names(n))
     for types in ALL_LANE_TYPES:
         lanes, count = types.lanes, types.lane_count
         State = wp.types.matrix((row_count, count), real)
         Unknowns = wp.types.matrix((max(n, 1), count), types.real)
-        given = ["strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n))]
-        values = given + ["0.0"] * (row_count - len(given))
-        to_state = "".join(f"result.data[{row}][i] = double({value});" for row, value in enumerate(values))
-        back = "".join(f"result.data[{k}][i] = x.data[{STRAIN_COUNT + k}][i];" for k in range(n))
-        loops = [f"for (int i = 0; i < {count}; ++i) {{ {body} }} return result;" for body in (to_state, back)]
-        kind = f"wp::mat_t<{max(n, 1)}, {count}, wp::{types.real.__name__}>"
+        values = ["strain1[i]", "strain2[i]", "angle[i]", *(f"q.data[{k}][i]" for k in range(n)), "0.0"]
+        body = "".join(f"result.data[{row}][i] = double({value});" for row, value in enumerate(values))
+        kind = f"wp::mat_t<{row_count}, {count}, wp::float64>"
 
-        @wp.func_native(f"wp::mat_t<{row_count}, {count}, wp::float64> result; {loops[0]}")
+        @wp.func_native(f"{kind} result; for (int i = 0; i < {count}; ++i) {{ {body} }} return result;")
         def state_of(strain1: lanes, strain2: lanes, angle: lanes, q: Unknowns) -> State: ...
 
-        @wp.func_native(f"{kind} result; {loops[1]}")
-        def unknowns_of(x: State, like: Unknowns) -> Unknowns: ...
-
-    return state_of, unknowns_of
+    return state_of
 
 
-def solve_function(n: int, equilibrium: Any, state_of: wp.Function, unknowns_of: wp.Function) -> Any:
-    iterations_row = StateRows(n).row("iterations")
+@cache
+def solve_function(n: int, slope_count: int, equilibrium: wp.Function) -> Any:
+    first_slope = FIRST_UNKNOWN + n
 
     @wp.func
     def solve(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
-        x, y = equilibrium(p, state_of(strain1, strain2, angle, start))
-        return type(answer)(
-            narrowed(y[SLOPE], strain1),
-            narrowed(y[SLOPE + 1], strain1),
-            narrowed(y[SLOPE + 2], strain1),
-            narrowed(y[PRESSURE], strain1),
-            narrowed(y[ENERGY], strain1),
-            narrowed(y[RESIDUAL], strain1),
-            narrowed(x[iterations_row], strain1),
-            unknowns_of(x, start),
-        )
+        found = equilibrium(p, strain1, strain2, angle, start)
+        answer.energy = found[ENERGY]
+        answer.warp_force = found[FORCE]
+        answer.weft_force = found[FORCE + 1]
+        answer.moment = found[FORCE + 2]
+        answer.pressure = found[PRESSURE]
+        answer.residual = found[RESIDUAL]
+        answer.iterations = found[ITERATIONS]
+        unknowns = type(start)()
+        for k in range(n):
+            unknowns[k] = found[FIRST_UNKNOWN + k]
+        answer.unknowns = unknowns
+        if wp.static(slope_count > 0):
+            slopes = answer.slopes
+            for k in range(slope_count):
+                slopes[k] = found[first_slope + k]
+            answer.slopes = slopes
+        return answer
 
     return solve
+
+
+@cache
+def follow_function(n: int, followed: tuple[tuple[int, int], ...]) -> wp.Function:
+    """``follow``: unknowns to start from, the last ones moved with the strains, if none moves as much as in a snap.
+
+    ``followed`` are the numbers of unknown and strain of each slope.
+    """
+    slope_count = len(followed)
+    changes = ("change1[i]", "change2[i]", "turn[i]")
+    moves = [
+        [f"slopes.data[{row}][i] * {changes[s]}" for row, (k, s) in enumerate(followed) if k == u] for u in range(n)
+    ]
+    for types in ALL_LANE_TYPES:
+        lanes, count, scalar = types.lanes, types.lane_count, f"wp::{types.real.__name__}"
+        Slopes, Unknowns = (wp.types.matrix((size, count), types.real) for size in (slope_count, n))
+        lines = [f"{scalar} moved{k} = {' + '.join(terms) or '0'};" for k, terms in enumerate(moves)]
+        # not a number compares false
+        near = " & ".join(f"(moved{k} < limit) & (moved{k} > -limit)" for k in range(n))
+        lines += [f"result.data[{k}][i] = last.data[{k}][i] + (near ? moved{k} : {scalar}(0));" for k in range(n)]
+        lines.insert(n, f"const bool near = {near};")
+        snippet = f"""wp::mat_t<{n}, {count}, {scalar}> result;
+        const {scalar} limit = {scalar}({float(SNAP_CHANGE)!r});
+        for (int i = 0; i < {count}; ++i) {{ {" ".join(lines)} }}
+        return result;"""
+
+        @wp.func_native(snippet)
+        def moved(change1: lanes, change2: lanes, turn: lanes, slopes: Slopes, last: Unknowns) -> Unknowns: ...
+
+    @wp.func
+    def follow(p: Any, change1: Any, change2: Any, turn: Any, slopes: Any, last: Any):
+        return moved(change1, change2, turn, slopes, last)
+
+    return follow
 
 
 def energies_function(parts: wp.Function, state_of: wp.Function, part_count: int) -> Any:
@@ -203,8 +259,17 @@ def energies_function(parts: wp.Function, state_of: wp.Function, part_count: int
     return energies
 
 
-def tangent_functions(equilibrium: Any, tangent_of: Any, state_of: wp.Function) -> tuple[wp.Function, wp.Function]:
+def tangent_functions(
+    n: int, equilibrium: wp.Function, tangent_of: Any, state_of: wp.Function
+) -> tuple[wp.Function, wp.Function]:
     """``tangent`` and ``stable_tangent``."""
+
+    @wp.func
+    def unknowns_of(x: Any):
+        q = wp.matrix(shape=(wp.static(max(n, 1)), len(x[0])), dtype=real)
+        for k in range(n):
+            q[k] = x[STRAIN_COUNT + k]
+        return q
 
     @wp.func
     def as_tangent(c: Any, n1: Any, n2: Any, moment: Any, pressure: Any, t: Any):
@@ -233,20 +298,22 @@ def tangent_functions(equilibrium: Any, tangent_of: Any, state_of: wp.Function) 
         if state == 1:
             for k in range(2):
                 x[k] = larger(x[k], fill(x[k], 0.0)) + fill(x[k], PULL)
-        x, y = equilibrium(p, x)
+        found = equilibrium(p, x[0], x[1], x[2], unknowns_of(x))
+        for k in range(n):
+            x[STRAIN_COUNT + k] = found[FIRST_UNKNOWN + k]
         return as_tangent(
             tangent_of(p, x),
-            narrowed(y[SLOPE], strain1),
-            narrowed(y[SLOPE + 1], strain1),
-            narrowed(y[SLOPE + 2], strain1),
-            narrowed(y[PRESSURE], strain1),
+            narrowed(found[FORCE], strain1),
+            narrowed(found[FORCE + 1], strain1),
+            narrowed(found[FORCE + 2], strain1),
+            narrowed(found[PRESSURE], strain1),
             t,
         )
 
     return tangent, stable_tangent
 
 
-def snap_loss_function(n: int, first: wp.Function, slopes: wp.Function, state_of: wp.Function) -> Any:
+def snap_loss_function(n: int, slopes: wp.Function, state_of: wp.Function) -> Any:
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):
         jump = fill(strain1, 0.0)
@@ -256,15 +323,14 @@ def snap_loss_function(n: int, first: wp.Function, slopes: wp.Function, state_of
         if lane_maximum(jump) > strain1.dtype(SNAP_CHANGE):
             before = state_of(strain1, strain2, angle, start)
             after = state_of(strain1, strain2, angle, q)
-            y = first(p, before)
-            z = first(p, after)
-            freed = y[ENERGY] - z[ENERGY]
+            g = slopes(p, before)
+            h = slopes(p, after)
+            freed = g[0] - h[0]
             # descending, a convex energy releases less than its initial slope predicts: that is a fast but steady
             # change, whose work was done by the forces
-            g = slopes(p, before)
             promised = fill(freed, 0.0)
             for k in range(n):
-                promised = promised + g[STRAIN_COUNT + k] * (before[STRAIN_COUNT + k] - after[STRAIN_COUNT + k])
+                promised = promised + g[1 + STRAIN_COUNT + k] * (before[STRAIN_COUNT + k] - after[STRAIN_COUNT + k])
             snapped = where_positive(freed - promised, narrowed(freed, loss), loss)
             loss = where_positive(jump - fill(jump, jump.dtype(SNAP_CHANGE)), snapped, loss)
         return loss

@@ -23,11 +23,21 @@ class Balance:
     """How far the unknowns are from equilibrium.
 
     The residual is the largest |dpsi/dq| over the size of the forces, a floor, and the rounding error of the stiffest
-    unknown.
+    unknown. ``active`` is 1 where a lane that was active is not in equilibrium yet.
     """
 
-    def __init__(self, graph: Graph, slopes: Sequence[Expression], stiffest: Expression):
+    def __init__(
+        self,
+        graph: Graph,
+        slopes: Sequence[Expression],
+        second: Mapping[tuple[int, int], Expression],
+        state: Mapping[str, Expression],
+    ):
         forces = slopes[STRAIN_COUNT:]
+        stiffest = graph.number(0.0)
+        for k, row in enumerate(range(STRAIN_COUNT, len(slopes))):
+            own = graph.magnitude(second[row, row]) * (1.0 + graph.magnitude(state[f"unknown{k}"]))
+            stiffest = graph.larger(own, stiffest)
         tolerance, floor, resolution = (
             graph.symbol(name, uniform=True) for name in ("tolerance", "force_floor", "resolution")
         )
@@ -39,9 +49,11 @@ class Balance:
         total = graph.sum((1.0, slope) for slope in (forces or slopes))
         known = graph.comparison("==", total, total)
         self.residual = graph.choice(known, worst / size, total)
-        # the residual is computed once more where it is reported, with other roundings
-        settled = 0.999 * tolerance * size
-        self.unsettled = graph.combination("all", [known, graph.comparison(">", worst, settled)])
+        # the residual that is reported is a quotient, with another rounding
+        unsettled = [known, graph.comparison(">", worst, 0.999 * tolerance * size)]
+        was_active = graph.comparison(">", state["active"], graph.number(0.0))
+        still = graph.combination("all", [was_active, *unsettled])
+        self.active = graph.choice(still, graph.number(1.0), graph.number(0.0))
 
 
 def largest(graph: Graph, values: Sequence[Expression]) -> Expression:
@@ -53,33 +65,29 @@ def largest(graph: Graph, values: Sequence[Expression]) -> Expression:
 
 
 def iteration(
-    energy: Expression,
-    slopes: Sequence[Expression],
+    force: Sequence[Expression],
     second: Mapping[tuple[int, int], Expression],
     matrix: Any,
     state: Mapping[str, Expression],
-) -> list[Expression]:
-    """The state after one iteration.
+) -> dict[str, Expression]:
+    """The state after one iteration, by name.
 
     A step has overshot if the slope along it has changed its sign and kept more than half its size, or if it is not
     small and the energy has grown. It is then partly undone, by a Newton step along it, so that the point stays between
     two known slopes. All other steps are Newton's, shortened to the limit.
 
     Args:
-        energy: at this state.
-        slopes: its derivatives by strains and unknowns.
+        force: derivatives of the energy by the unknowns, at this state.
         second: the second derivatives.
         matrix: of the unknowns, shifted: ``solved`` and ``definite``.
         state: its symbols by name.
     """
-    graph, n = energy.graph, len(slopes) - STRAIN_COUNT
-    force = slopes[STRAIN_COUNT:]
+    if not force:
+        return {}
+    graph, n, energy = state["shift"].graph, len(force), state["shift"].graph.symbol("energy")
     unknowns, changes = ([state[f"{kind}{k}"] for k in range(n)] for kind in ("unknown", "change"))
     one, zero = graph.number(1.0), graph.number(0.0)
-    stiffness = [graph.magnitude(second[STRAIN_COUNT + k, STRAIN_COUNT + k]) for k in range(n)]
-    stiffest = largest(graph, [k * (1.0 + graph.magnitude(q)) for k, q in zip(stiffness, unknowns, strict=True)])
-    was_active = graph.comparison(">", state["active"], zero)
-    active = graph.combination("all", [was_active, Balance(graph, slopes, stiffest).unsettled])
+    active = graph.comparison(">", state["active"], zero)
 
     share = undone_share(graph, energy, force, second, state)
     undo = graph.comparison(">", share, zero)
@@ -98,18 +106,15 @@ def iteration(
     new_unknowns = [held(q + move, q) for q, move in zip(unknowns, moves, strict=True)]
     new_changes = [held(graph.choice(undo, kept * c, d), c) for c, d in zip(changes, newton, strict=True)]
     waiting = graph.combination("all", [active, graph.negation(ready)])
-    counted = graph.choice(active, one, zero)
-    return [
-        *(state[f"strain{k}"] for k in range(STRAIN_COUNT)),
-        *new_unknowns,
-        *new_changes,
-        graph.choice(waiting, larger_shift(state["shift"]), held(smaller_shift(state["shift"]), zero)),
-        held(graph.choice(undo, kept * state["slope"], slope), state["slope"]),
-        held(graph.choice(undo, state["before"], energy), state["before"]),
-        graph.choice(active, stiffest, state["stiffest"]),
-        counted,
-        state["iterations"] + graph.choice(moving, one, zero),
-    ]
+    shift = held(smaller_shift(state["shift"]), zero)
+    return {
+        **{f"unknown{k}": value for k, value in enumerate(new_unknowns)},
+        **{f"change{k}": value for k, value in enumerate(new_changes)},
+        "shift": graph.choice(waiting, larger_shift(state["shift"]), shift),
+        "slope": held(graph.choice(undo, kept * state["slope"], slope), state["slope"]),
+        "before": held(graph.choice(undo, state["before"], energy), state["before"]),
+        "iterations": state["iterations"] + graph.choice(moving, one, zero),
+    }
 
 
 def larger_shift(shift: Expression) -> Expression:

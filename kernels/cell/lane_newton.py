@@ -1,71 +1,95 @@
 """Equilibrium of the unknowns of cells in all lanes at once, and the tangent there, in double precision.
 
-The state x of the lanes is a matrix with the rows of ``StateRows``.
+The state x of the lanes is a matrix with the rows of ``state_names``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
 import warp as wp
 
+from ..formula.functions import definitions
+from ..formula.graph import Expression
+from ..formula.writer import Constants, assignments, over_lanes
+from ..lane_types import LaneTypes
 from ..lanes import fill, lane_maximum, larger, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
-from .cell_formulas import STRAIN_COUNT, TANGENT_ENTRIES, StateRows
+from .cell_formulas import ANSWERS, TANGENT_ENTRIES, CellFormulas, newton_names, state_names
 from .iteration import FIRST_SHIFT
 from .law import MAXIMUM_ITERATIONS
 
 # A matrix may be shifted several times before a step is taken.
 LARGEST_EVALUATION_COUNT = 10 * MAXIMUM_ITERATIONS
 SHIFT_COUNT = 60
+# Arguments of the function in C++.
+STRAIN_ARGUMENTS = ("warp_strain", "weft_strain", "shear_angle")
 LEAST_SHIFT = wp.constant(wp.float64(FIRST_SHIFT))
-# Rows of ``first``: energy, its derivatives by the strains, crossover pressure, residual.
-ENERGY, SLOPE, PRESSURE, RESIDUAL = 0, 1, 1 + STRAIN_COUNT, 2 + STRAIN_COUNT
 
 
-@cache
-def equilibrium_function(unknown_count: int, first: wp.Function, iterate: wp.Function) -> Callable[..., Any]:
-    """Warp function (p, x) -> (x, rows of ``first`` there).
+def found_names(formulas: CellFormulas) -> list[str]:
+    """Rows of ``equilibrium_text``: answers, iterations, unknowns, derivatives of the unknowns by the strains."""
+    unknowns = [f"unknown{k}" for k in range(formulas.unknown_count)]
+    return [*ANSWERS, "iterations", *unknowns, *(follow_name(*pair) for pair in formulas.follow)]
 
-    A first step is followed by ``first`` alone: mostly it is the last. Lanes that are done wait for the others; what
-    they answer does not depend on them.
+
+def follow_name(unknown: int, strain: int) -> str:
+    return f"unknown{unknown}_by_strain{strain}"
+
+
+def equilibrium_text(formulas: CellFormulas, constants: Constants, types: LaneTypes) -> str:
+    """C++ of a function (p, strains, q) -> rows of ``found_names``, all in the precision of ``types``.
+
+    Each evaluation tells the answers, and is followed by a step of the unknowns as long as a lane is not in
+    equilibrium. Lanes that are done wait for the others; what they answer does not depend on them. All of it is one
+    function of C++, since a matrix of Warp is filled with zeros wherever it is declared, and copied where it is handed
+    over.
     """
-    active_row = StateRows(unknown_count).row("active")
+    n, lanes, names = formulas.unknown_count, types.lane_count, found_names(formulas)
+    told = [name for name in formulas.evaluation if name not in (*ANSWERS, "active")]
+    followed = {follow_name(*pair): value for pair, value in formulas.follow.items()}
+    kept = [*state_names(n), *newton_names(n), *ANSWERS, *told, *followed]
+    functions: set[str] = set()
 
-    @wp.func
-    def without_unknowns(p: Any, start: Any):
-        return start, first(p, start)
+    def loop(outputs: Mapping[str, Expression]) -> list[str]:
+        places = {f"{name}[i]": value for name, value in outputs.items()}
+        lines, called = assignments(places, constants, {name: f"{name}[i]" for name in kept}, "double")
+        functions.update(called)
+        return over_lanes(lines, lanes)
 
-    if unknown_count == 0:
-        return without_unknowns
-
-    @wp.func
-    def rows_like(like: Any):
-        return wp.matrix(shape=(wp.static(RESIDUAL + 1), len(like)), dtype=wp.float64)
-
-    @wp.func
-    def equilibrium(p: Any, start: Any):
-        x = start
-        x[active_row] = fill(x[active_row], 1.0)
-        y = rows_like(x[0])
-        for evaluation in range(LARGEST_EVALUATION_COUNT):
-            x = iterate(p, x)
-            unfinished = lane_maximum(x[active_row])
-            if evaluation == 0 or unfinished <= unfinished.dtype(0.0) or evaluation == LARGEST_EVALUATION_COUNT - 1:
-                y = first(p, x)
-                # a NaN is not above the tolerance and ends the iteration too
-                beyond = where_positive(x[active_row], y[RESIDUAL] - fill(y[RESIDUAL], p.tolerance), -x[active_row])
-                if lane_maximum(beyond) <= beyond.dtype(0.0):
-                    break
-        return x, y
-
-    return equilibrium
+    given = [f"strain{k}[i] = {name}[i];" for k, name in enumerate(STRAIN_ARGUMENTS)]
+    given += [f"unknown{k}[i] = q.data[{k}][i];" for k in range(n)]
+    given += [f"{name}[i] = {float(name == 'active')};" for name in ("shift", *newton_names(n))]
+    evaluate = loop(formulas.evaluation)
+    if n:
+        evaluate = [
+            "for (int evaluation = 0;; ++evaluation) {",
+            *evaluate,
+            "bool unfinished = false;",
+            f"for (int i = 0; i < {lanes}; ++i) unfinished |= active[i] > 0.0;",
+            f"if (!unfinished || evaluation == {LARGEST_EVALUATION_COUNT}) break;",
+            *loop(formulas.advance),
+            "}",
+            *loop(followed),
+        ]
+    told_back = [f"result.data[{row}][i] = {name}[i];" for row, name in enumerate(names)]
+    return "\n".join(
+        [
+            *definitions(functions, "double"),
+            f"double {', '.join(f'{name}[{lanes}]' for name in kept)};",
+            *over_lanes(given, lanes),
+            *evaluate,
+            f"wp::mat_t<{len(names)}, {lanes}, wp::{types.real.__name__}> result;",
+            *over_lanes(told_back, lanes),
+            "return result;",
+        ]
+    )
 
 
 @cache
 def tangent_function(unknown_count: int, tangent_at: wp.Function) -> Callable[..., Any]:
     """Warp function (p, x) -> rows of ``tangent``, with a matrix of the unknowns that is positive definite."""
-    shift_row, definite_row = StateRows(unknown_count).row("shift"), len(TANGENT_ENTRIES)
+    shift_row, definite_row = state_names(unknown_count).index("shift"), len(TANGENT_ENTRIES)
 
     @wp.func
     def definite_tangent(p: Any, x: Any):

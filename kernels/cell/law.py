@@ -15,8 +15,8 @@ MAXIMUM_ITERATIONS = 40
 
 
 @cache
-def cell_answer_struct(real: type, lane_count: int, row_count: int, follows: bool = False):
-    """Response of a unit cell; ``row_count`` is that of its ``CellLaw``, ``follows`` whether it has ``follow``."""
+def cell_answer_struct(real: type, lane_count: int, row_count: int, slope_count: int = 0):
+    """Response of a unit cell; ``row_count`` and ``slope_count`` are those of its ``CellLaw``."""
     lanes = lane_types(real, lane_count).lanes
 
     @wp.struct
@@ -29,8 +29,8 @@ def cell_answer_struct(real: type, lane_count: int, row_count: int, follows: boo
         residual: lanes  # relative
         iterations: lanes
         unknowns: wp.types.matrix((row_count, lane_count), real)
-        if follows:
-            slopes: wp.types.matrix((4, lane_count), real)  # of both unknowns by both stretches
+        if slope_count:
+            slopes: wp.types.matrix((slope_count, lane_count), real)  # of the unknowns by the strains, for ``follow``
 
     return CellAnswer
 
@@ -78,8 +78,9 @@ class CellLaw:
         tangent: (..., q, an empty ``Tangent``) -> ``Tangent`` at equilibrium, without n_1, n_2, m and the pressure.
         stable_tangent: (..., q, state, an empty ``Tangent``) -> ``Tangent`` with the yarns in tension, as soon as the
             cell is pulled. There are several states where one is not enough.
-        follow: (struct, changes of both stretches since the last answer, its ``slopes``, its q) -> q to start from, for
-            several lanes; None for a cell that starts from the last q.
+        follow: (struct, changes of both stretches and of the angle since the last answer, its ``slopes``, its q) -> q
+            to start from, for several lanes; None for a cell that starts from the last q.
+        slope_count: number of ``slopes`` with which it answers, kept behind the unknowns.
         snap_loss: (..., start q, q) -> energy released by a jump to another equilibrium [J/m^2], 0 without a jump.
     """
 
@@ -96,9 +97,15 @@ class CellLaw:
     stable_tangent: Any
     snap_loss: Any
     follow: Any = None
+    slope_count: int = 0
     constants: Callable[[Mapping[str, float]], list[float]] | None = None
 
     @property
     def row_count(self) -> int:
-        """Rows of the array of unknowns; a cell without unknowns has one unused row."""
+        """Rows of unknowns; a cell without unknowns has one unused row."""
         return max(self.unknown_count, 1)
+
+    @property
+    def kept_row_count(self) -> int:
+        """Rows that are kept from step to step: unknowns, then ``slopes``."""
+        return self.row_count + self.slope_count

@@ -157,7 +157,7 @@ def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer:
 
 
 @wp.func
-def follow(cell: Any, change1: Any, change2: Any, slopes: Any, last: Any):
+def follow(cell: Any, change1: Any, change2: Any, turn: Any, slopes: Any, last: Any):
     """Heights to start from: those of the last step follow the strains, if they do not change as much as in a snap."""
     limit = fill(change1, change1.dtype(SNAP_SHARE) * cell.length_unit * (cell.crimp_height[0] + cell.crimp_height[1]))
     u1 = (cell.length_unit * cell.half_spacing[0]) * change1
@@ -250,5 +250,6 @@ PLAIN_WEAVE = CellLaw(
     tangent=tangent,
     stable_tangent=stable_tangent,
     follow=follow,
+    slope_count=4,
     snap_loss=snap_loss,
 )

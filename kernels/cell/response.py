@@ -48,7 +48,7 @@ def unit_cell_response_kernel(real: type, cell: CellLaw):
     """Every item has its cell and strains; the branch from rest is followed in equal increments."""
     lanes = lane_types(real, 1).lanes
     Response, UnitCell = response_struct(real), cell.parameters(real)
-    CellAnswer, Tangent = cell_answer_struct(real, 1, cell.row_count, cell.follow is not None), tangent_struct(real, 1)
+    CellAnswer, Tangent = cell_answer_struct(real, 1, cell.row_count, cell.slope_count), tangent_struct(real, 1)
     unknown_count, part_count = cell.unknown_count, len(cell.energy_names)
     solve, cell_energies, cell_tangent, snap_loss = cell.solve, cell.energies, cell.tangent, cell.snap_loss
 

@@ -5,10 +5,17 @@ from functools import cache
 import warp as wp
 
 from ..lane_types import lane_types
-from ..lanes import dot, from_rows, in_every_lane, lane_maximum, smaller, where_positive
+from ..lanes import dot, from_rows, in_every_lane, lane_maximum
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ToolPoseRow
-from .tool_distance import away_function, part_clearance_function, part_distance_function, tool_set_struct, tool_struct
+from .tool_distance import (
+    away_function,
+    nearer_part_function,
+    part_clearance_function,
+    part_distance_function,
+    tool_set_struct,
+    tool_struct,
+)
 from .tool_shapes import part_struct
 
 
@@ -84,7 +91,7 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
     lanes, lanes3 = types.lanes, types.lanes3
     Tool, ToolPart, Pose = tool_struct(real), part_struct(real), pose_struct(real)
     part_distance, away = part_distance_function(real, lane_count, shape_kinds), away_function(real, lane_count)
-    part_clearance = part_clearance_function(real, lane_count)
+    part_clearance, nearer_part = part_clearance_function(real, lane_count), nearer_part_function(real, lane_count)
 
     @wp.func
     def posed_distance(parts: wp.array(dtype=ToolPart), tool: Tool, pose: Pose, x: lanes3, remainder: lanes3):
@@ -98,15 +105,7 @@ def posed_distance_function(real: type, lane_count: int, shape_kinds: tuple[str,
             part_d, part_n = part_distance(part, p)
             part_n = turn * part_n
             part_c = part_clearance(part, part_d)
-            clearance = part_c if k == 0 else smaller(clearance, part_c)
-            if k == 0:
-                distance = part_d
-                normal = part_n
-            else:
-                nearer = distance - part_d
-                distance = where_positive(nearer, part_d, distance)
-                for c in range(3):
-                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+            distance, normal, clearance = nearer_part(k, part_d, part_n, part_c, distance, normal, clearance)
         return distance, normal, clearance
 
     return posed_distance

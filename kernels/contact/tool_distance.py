@@ -74,10 +74,9 @@ def part_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
         # omits such an expression from the hash, and would use the compiled kernel of another tuple of kinds.
         @wp.func
         def part_distance(part: ToolPart, p: lanes3):
-            distance, normal = others(part, p)
             if part.kind == wp.static(number):
-                distance, normal = distance_of(part, p)
-            return distance, normal
+                return distance_of(part, p)
+            return others(part, p)
 
         return part_distance
 
@@ -94,12 +93,40 @@ def part_clearance_function(real: type, lane_count: int):
 
     @wp.func
     def part_clearance(part: ToolPart, distance: lanes):
-        clearance = distance
         if part.kind == wp.static(shape_number("volume")):
-            clearance = sampled_clearance(part.reach, number(part, 0), number(part, 1), number(part, 2), distance)
-        return clearance
+            return sampled_clearance(part.reach, number(part, 0), number(part, 1), number(part, 2), distance)
+        return distance
 
     return part_clearance
+
+
+@cache
+def nearer_part_function(real: type, lane_count: int):
+    """wp.func -> (distance, normal, clearance) of a tool with its part ``k`` too, from those of all before it.
+
+    It returns early: what a branch changes is chosen by its address, so lanes would go through memory (decision 80).
+    """
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+
+    @wp.func
+    def nearer_part(
+        k: wp.int32,
+        part_distance: lanes,
+        part_normal: lanes3,
+        part_clearance: lanes,
+        distance: lanes,
+        normal: lanes3,
+        clearance: lanes,
+    ):
+        if k == 0:
+            return part_distance, part_normal, part_clearance
+        nearer = distance - part_distance
+        for c in range(3):
+            normal[c] = where_positive(nearer, part_normal[c], normal[c])
+        return where_positive(nearer, part_distance, distance), normal, smaller(clearance, part_clearance)
+
+    return nearer_part
 
 
 @cache
@@ -131,6 +158,7 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
     Tool, ToolPart = tool_struct(real), part_struct(real)
     part_distance = part_distance_function(real, lane_count, shape_kinds)
     part_clearance, away = part_clearance_function(real, lane_count), away_function(real, lane_count)
+    nearer_part = nearer_part_function(real, lane_count)
 
     @wp.func
     def tool_distance(
@@ -147,17 +175,10 @@ def tool_distance_function(real: type, lane_count: int, shape_kinds: tuple[str, 
             part_d, part_n = part_distance(part, p)
             if wp.static(rotated):
                 part_n = part.rotation * part_n
+            part_c = part_d
             if wp.static("volume" in shape_kinds):
                 part_c = part_clearance(part, part_d)
-                clearance = part_c if k == 0 else smaller(clearance, part_c)
-            if k == 0:
-                distance = part_d
-                normal = part_n
-            else:
-                nearer = distance - part_d
-                distance = where_positive(nearer, part_d, distance)
-                for c in range(3):
-                    normal[c] = where_positive(nearer, part_n[c], normal[c])
+            distance, normal, clearance = nearer_part(k, part_d, part_n, part_c, distance, normal, clearance)
         if wp.static("volume" not in shape_kinds):
             clearance = distance
         return distance, normal, clearance

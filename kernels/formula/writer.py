@@ -195,22 +195,32 @@ def varying_in_order(outputs: Iterable[Expression]) -> list[Expression]:
     return list(found)
 
 
+def over_lanes(lines: Iterable[str], lanes: int) -> list[str]:
+    """A loop over the lanes, which the compiler turns into vector instructions."""
+    return [
+        # all lanes of a block side by side: one half alone waits for its own results
+        *(["#pragma clang loop vectorize(enable) interleave_count(2)"] if lanes > 1 else []),
+        f"for (int i = 0; i < {lanes}; ++i) {{",
+        *(f"    {line}" for line in lines),
+        "}",
+    ]
+
+
+def assignments(
+    outputs: Mapping[str, Expression], constants: Constants, read: Mapping[str, str], real: str
+) -> tuple[list[str], set[str]]:
+    """Lines that compute all outputs, then write each where its name says; and the functions that they call."""
+    writer = Writer(constants, real, read)
+    lines = writer.write(list(outputs.values()))
+    written = [f"{place} = {text};" for place, text in zip(outputs, writer.texts, strict=True)]
+    return [*lines, *written], writer.functions
+
+
 def lane_loop(
     outputs: Sequence[Expression], constants: Constants, read: Mapping[str, str], lanes: int, real: str
 ) -> str:
     """C++ of a function that returns a matrix with one row of lanes per output; parameters are in ``p.constants``."""
-    writer = Writer(constants, real, read)
-    lines = writer.write(outputs)
-    body = [*lines, *(f"result.data[{row}][i] = {text};" for row, text in enumerate(writer.texts))]
-    return "\n".join(
-        [
-            *definitions(writer.functions, real),
-            f"wp::mat_t<{len(outputs)}, {lanes}, {'wp::float64' if real == 'double' else 'wp::float32'}> result;",
-            # all lanes of a block side by side: one half alone waits for its own results
-            *(["#pragma clang loop vectorize(enable) interleave_count(2)"] if lanes > 1 else []),
-            f"for (int i = 0; i < {lanes}; ++i) {{",
-            *(f"    {line}" for line in body),
-            "}",
-            "return result;",
-        ]
-    )
+    places = {f"result.data[{row}][i]": output for row, output in enumerate(outputs)}
+    lines, functions = assignments(places, constants, read, real)
+    kind = f"wp::mat_t<{len(outputs)}, {lanes}, {'wp::float64' if real == 'double' else 'wp::float32'}>"
+    return "\n".join([*definitions(functions, real), f"{kind} result;", *over_lanes(lines, lanes), "return result;"])

@@ -37,7 +37,7 @@ RESULTANTS = ElementField.row_count()
 def cell_energies_function(real: type, cell: CellLaw):
     """Function for the ``CellAnswer`` of an element's unit cell; books the energy, changes no state."""
     part_count, solve, cell_energies = len(cell.energy_names), cell.solve, cell.energies
-    CellAnswer = cell_answer_struct(real, 1, cell.row_count, cell.follow is not None)
+    CellAnswer = cell_answer_struct(real, 1, cell.row_count, cell.slope_count)
     read_unknowns, late = unknowns_function(real, 1, cell), cell.lane_by_lane
 
     @wp.func

@@ -147,14 +147,12 @@ def expectations_function(lane_count: int, cell: CellLaw, traits: SheetTraits):
 
     Positions and directors come row by row of the mesh, which a processor sees by itself.
     """
-    ahead, flat, shears, unknown_count = lane_count > GPU_LANE_COUNT, traits.flat, cell.depends_on_shear, cell.row_count
-    # slopes are for several lanes
-    every_step = CellReportRow.shear_angle if ahead and cell.follow is not None else CellReportRow.first_by_warp
-    row_count, angle = int(every_step), int(CellReportRow.shear_angle)
+    ahead, flat, shears = lane_count > GPU_LANE_COUNT, traits.flat, cell.depends_on_shear
+    kept_count, angle = cell.kept_row_count, int(CellReportRow.shear_angle)  # the first row that some cells do without
 
     @wp.func
     def expect_late(elements: Any, block: int, cell_report: Any):
-        expect_rows(cell_report, 0, row_count, block)
+        expect_rows(cell_report, 0, angle, block)
         if wp.static(shears):
             expect_rows(cell_report, angle, 2, block)
         expect(elements.yarn_inertia, block)
@@ -171,8 +169,8 @@ def expectations_function(lane_count: int, cell: CellLaw, traits: SheetTraits):
             expect_next(elements.initial_curvature, 0, 3, block)
             expect_next(elements.initial_transverse_shear, 0, 2, block)
             expect_next(elements.initial_hourglass, 0, 3, block)
-        expect_next(cell_unknowns, 0, unknown_count, block)
-        expect_next(cell_report, 0, row_count, block)
+        expect_next(cell_unknowns, 0, kept_count, block)
+        expect_next(cell_report, 0, angle, block)
         if wp.static(shears):
             expect_next(cell_report, angle, 2, block)
 

@@ -8,7 +8,7 @@ import warp as wp
 from ..cell.law import CellLaw, cell_answer_struct
 from ..cell.newton import emitted_late
 from ..lane_types import GPU_LANE_COUNT
-from ..lanes import fill, from_rows, inverses, lane_maximum, larger, where_positive
+from ..lanes import fill, inverses, lane_maximum, larger, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import CellReportRow
@@ -34,15 +34,25 @@ def unknowns_function(real: type, lane_count: int, cell: CellLaw):
     return read_unknowns
 
 
-@wp.func
-def last_slopes(report: Any, block: int):
-    """Derivatives of the unknowns by the strains, as the cell told them at the last step."""
-    return from_rows(
-        report[CellReportRow.first_by_warp, block],
-        report[CellReportRow.first_by_weft, block],
-        report[CellReportRow.second_by_warp, block],
-        report[CellReportRow.second_by_weft, block],
-    )
+@cache
+def follow_function(real: type, lane_count: int, cell: CellLaw):
+    """Function for the unknowns to start from: those of the last step follow the strains."""
+    Slopes, follow, slope_count = wp.types.matrix((cell.slope_count, lane_count), real), cell.follow, cell.slope_count
+    first, shears = cell.row_count, cell.depends_on_shear
+
+    @wp.func
+    def follow_strains(cell: Any, block: int, m: Any, cell_unknowns: Any, cell_report: Any, last: Any):
+        change1 = m.strain1 - cell_report[CellReportRow.warp_strain, block]
+        change2 = m.strain2 - cell_report[CellReportRow.weft_strain, block]
+        turn = fill(change1, 0.0)
+        if wp.static(shears):
+            turn = m.angle - cell_report[CellReportRow.shear_angle, block]
+        slopes = Slopes()
+        for k in range(slope_count):
+            slopes[k] = cell_unknowns[first + k, block]
+        return follow(cell, change1, change2, turn, slopes, last)
+
+    return follow_strains
 
 
 @cache
@@ -52,26 +62,24 @@ def cell_answer_function(real: type, lane_count: int, cell: CellLaw):
     Warp emits functions that use gradients after all others, and a lane-by-lane ``energy_cell`` consists of such
     functions: its callers must look like them, also those in energy.py and frequency.py.
     """
-    CellAnswer = cell_answer_struct(real, lane_count, cell.row_count, cell.follow is not None)
+    CellAnswer = cell_answer_struct(real, lane_count, cell.row_count, cell.slope_count)
     read_unknowns = unknowns_function(real, lane_count, cell)
     unknown_count, solve, snap_loss, late = cell.unknown_count, cell.solve, cell.snap_loss, cell.lane_by_lane
     # a GPU waits for bytes sooner than for evaluations: not tried there
-    follow, follows = cell.follow, cell.follow is not None and lane_count > GPU_LANE_COUNT
+    slope_count = cell.slope_count if lane_count > GPU_LANE_COUNT else 0
+    follow_strains, first = follow_function(real, lane_count, cell) if slope_count else None, cell.row_count
 
     @wp.func
     def answer_cell(cell: Any, block: int, m: Any, cell_unknowns: Any, cell_report: Any):
         if wp.static(late):
             _late = wp.grad(emitted_late)(wp.float64(0.0))
         start = read_unknowns(cell_unknowns, block)
-        if wp.static(follows):
-            change1 = m.strain1 - cell_report[CellReportRow.warp_strain, block]
-            change2 = m.strain2 - cell_report[CellReportRow.weft_strain, block]
-            near = follow(cell, change1, change2, last_slopes(cell_report, block), start)
+        if wp.static(slope_count > 0):
+            near = follow_strains(cell, block, m, cell_unknowns, cell_report, start)
             answer = solve(cell, m.strain1, m.strain2, m.angle, near, CellAnswer())
-            cell_report[CellReportRow.first_by_warp, block] = answer.slopes[0]
-            cell_report[CellReportRow.first_by_weft, block] = answer.slopes[1]
-            cell_report[CellReportRow.second_by_warp, block] = answer.slopes[2]
-            cell_report[CellReportRow.second_by_weft, block] = answer.slopes[3]
+            slopes = answer.slopes
+            for k in range(slope_count):
+                cell_unknowns[first + k, block] = slopes[k]
         else:
             answer = solve(cell, m.strain1, m.strain2, m.angle, start, CellAnswer())
         unknowns = answer.unknowns

@@ -8,7 +8,7 @@ from ..contact.carried_pose import posed_distance_function, read_pose_function, 
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import away_function, tool_set_struct
 from ..lane_types import lane_types
-from ..lanes import cross, lane_maximum, lane_sum, larger, rows3, store_rows3
+from ..lanes import cross, dot, lane_maximum, lane_sum, larger, rows3, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
@@ -36,14 +36,68 @@ def meet_carried_tools_function(real: type, lane_count: int, traits: NodeTraits)
     rub_by_law = rub_by_law_function(real, lane_count, True)
 
     @wp.func
-    def power(velocity: lanes3, force: lanes3, total: lanes):
-        for c in range(3):
-            total = total + velocity[c] * force[c]
-        return total
-
-    @wp.func
     def on_tool(force: lanes3):
         return vec3(-lane_sum(force[0]), -lane_sum(force[1]), -lane_sum(force[2]))
+
+    @wp.func
+    def pushed(
+        present: Present,
+        laws: NodeLaws,
+        tools: Tools,
+        k: wp.int32,
+        penetration: lanes,
+        normal: lanes3,
+        # Out
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        block = present.block
+        if lane_maximum(penetration) <= real(0.0):
+            return lanes3(), lanes3(), lanes3(), lanes3(), lanes(), lanes()
+        pose = read_pose(tools, k)
+        velocity = velocity_at(pose, away(pose.pivot, present.position, present.remainder))
+        stretch = rows3(touch.friction, 3 * k, block)
+        stretch = stretch + present.mean_step * turning(pose.spin, stretch)
+        spring, pressed, dashpot, drag, held = contact(
+            present, laws, tools.tool[k].friction, velocity, penetration, normal, stretch
+        )
+        if wp.static(traits.friction_laws):
+            store_rows3(touch.friction, 3 * k, block, stretch)
+            drag, held = rub_by_law(present, laws, tools, k, velocity, normal, pressed, touch)
+        if wp.static(traits.follows_thickness):
+            works[THICKNESS_WORK, block] = works[THICKNESS_WORK, block] + spring * present.growth
+        touch.depth[k, block] = larger(touch.depth[k, block], penetration)
+        return pressed + drag, drag, dashpot, held, dot(velocity, drag), dot(velocity, dashpot)
+
+    @wp.func
+    def meet_tool(
+        present: Present,
+        laws: NodeLaws,
+        tools: Tools,
+        k: wp.int32,
+        # Out
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        block = present.block
+        pose = read_pose(tools, k)
+        arm = away(pose.pivot, present.position, present.remainder)
+        way = real(2.0) * present.mean_step * largest_speed(pose, arm)
+        distance_left = touch.gap[k, block] - way - present.thickened
+        if distance_left > real(0.0):
+            touch.gap[k, block] = distance_left
+            return lanes3(), lanes3(), lanes3(), lanes(), lanes()
+        distance, normal, clearance = posed_distance(
+            tools.part, tools.tool[k], pose, present.position, present.remainder
+        )
+        touch.gap[k, block] = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
+        push, drag, dashpot, stretch, friction_power, dashpot_power = pushed(
+            present, laws, tools, k, present.half_thickness - distance, normal, touch, works
+        )
+        store_rows3(touch.friction, 3 * k, block, stretch)
+        touch.reaction[k, block] = on_tool(push)
+        touch.moment[k, block] = on_tool(cross(arm, push))
+        return push, drag, dashpot, friction_power, dashpot_power
 
     @wp.func
     def meet_carried_tools(
@@ -55,45 +109,12 @@ def meet_carried_tools_function(real: type, lane_count: int, traits: NodeTraits)
         touch: Touch,
         works: wp.array2d(dtype=lanes),
     ):
-        block = present.block
         friction, friction_power = lanes3(), lanes()
         dashpots, dashpot_power = lanes3(), lanes()
         for k in range(laws.tool_count):
-            pose = read_pose(tools, k)
-            arm = away(pose.pivot, present.position, present.remainder)
-            way = real(2.0) * present.mean_step * largest_speed(pose, arm)
-            distance_left = touch.gap[k, block] - way - present.thickened
-            if not distance_left > real(0.0):
-                tool = tools.tool[k]
-                distance, normal, clearance = posed_distance(
-                    tools.part, tool, pose, present.position, present.remainder
-                )
-                penetration = present.half_thickness - distance
-                deepest = lane_maximum(penetration)
-                distance_left = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
-                stretch, push = lanes3(), lanes3()
-                if not deepest <= real(0.0):
-                    velocity = velocity_at(pose, arm)
-                    stretch = rows3(touch.friction, 3 * k, block)
-                    stretch = stretch + present.mean_step * turning(pose.spin, stretch)
-                    spring, pressed, dashpot, drag, held = contact(
-                        present, laws, tool.friction, velocity, penetration, normal, stretch
-                    )
-                    if wp.static(traits.friction_laws):
-                        store_rows3(touch.friction, 3 * k, block, stretch)
-                        drag, held = rub_by_law(present, laws, tools, k, velocity, normal, pressed, touch)
-                    stretch = held
-                    if wp.static(traits.follows_thickness):
-                        works[THICKNESS_WORK, block] = works[THICKNESS_WORK, block] + spring * present.growth
-                    touch.depth[k, block] = larger(touch.depth[k, block], penetration)
-                    push = pressed + drag
-                    force, friction, dashpots = force + push, friction + drag, dashpots + dashpot
-                    friction_power = power(velocity, drag, friction_power)
-                    dashpot_power = power(velocity, dashpot, dashpot_power)
-                store_rows3(touch.friction, 3 * k, block, stretch)
-                touch.reaction[k, block] = on_tool(push)
-                touch.moment[k, block] = on_tool(cross(arm, push))
-            touch.gap[k, block] = distance_left
+            push, drag, dashpot, by_friction, by_dashpot = meet_tool(present, laws, tools, k, touch, works)
+            force, friction, dashpots = force + push, friction + drag, dashpots + dashpot
+            friction_power, dashpot_power = friction_power + by_friction, dashpot_power + by_dashpot
         return force, friction, friction_power, dashpots, dashpot_power
 
     return meet_carried_tools

@@ -7,7 +7,7 @@ import warp as wp
 from ..contact.penalty import friction_spring, normal_force, touch_struct
 from ..contact.tool_distance import tool_distance_function, tool_set_struct
 from ..lane_types import lane_types
-from ..lanes import dot, lane_maximum, lane_sum, larger, rows3, scale, store_rows3
+from ..lanes import dot, lane_maximum, lane_sum, larger, negative, rows3, scale, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import ClockEntry, NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
@@ -49,7 +49,7 @@ def contact_function(real: type, lane_count: int, carried: bool = False):
         trial = stretched - scale(dot(stretched, normal), normal)
         tangential = laws.tangential_ratio * stiffness
         held = friction_spring(trial, tangential, friction * pressure)
-        return spring, scale(pressure, normal), dashpot, -scale(tangential, held), held
+        return spring, scale(pressure, normal), dashpot, scale(negative(tangential), held), held
 
     return contact
 
@@ -71,10 +71,63 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     rub_by_law = rub_by_law_function(real, lane_count)
 
     @wp.func
-    def power(tool_velocity: vec3, force: lanes3, total: lanes):
-        for c in range(3):
-            total = total + tool_velocity[c] * force[c]
-        return total
+    def power(tool_velocity: vec3, force: lanes3):
+        return (tool_velocity[0] * force[0] + tool_velocity[1] * force[1]) + tool_velocity[2] * force[2]
+
+    @wp.func
+    def pushed(
+        present: Present,
+        laws: NodeLaws,
+        tools: Tools,
+        k: wp.int32,
+        penetration: lanes,
+        normal: lanes3,
+        # Out
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        block = present.block
+        if lane_maximum(penetration) <= real(0.0):
+            return lanes3(), lanes3(), lanes3(), lanes3(), lanes(), lanes()
+        tool = tools.tool[k]
+        tool_velocity = real(tools.velocity[k]) * vec3(real(tool.axis[0]), real(tool.axis[1]), real(tool.axis[2]))
+        spring, pressed, dashpot, drag, stretch = contact(
+            present, laws, tool.friction, tool_velocity, penetration, normal, rows3(touch.friction, 3 * k, block)
+        )
+        if wp.static(traits.friction_laws):
+            drag, stretch = rub_by_law(present, laws, tools, k, tool_velocity, normal, pressed, touch)
+        if wp.static(traits.follows_thickness):
+            works[THICKNESS_WORK, block] = works[THICKNESS_WORK, block] + spring * present.growth
+        touch.depth[k, block] = larger(touch.depth[k, block], penetration)
+        return pressed + drag, drag, dashpot, stretch, power(tool_velocity, drag), power(tool_velocity, dashpot)
+
+    @wp.func
+    def meet_tool(
+        present: Present,
+        laws: NodeLaws,
+        tools: Tools,
+        k: wp.int32,
+        # Out
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        block = present.block
+        # the tool moved over the last step, which is at most twice the mean step
+        moved = real(2.0) * present.mean_step * wp.abs(real(tools.velocity[k]))
+        distance_left = touch.gap[k, block] - moved - present.thickened
+        if distance_left > real(0.0):
+            touch.gap[k, block] = distance_left
+            return lanes3(), lanes3(), lanes3(), lanes(), lanes()
+        distance, normal, clearance = tool_distance(
+            tools.part, tools.tool[k], tools.displacement[k], present.position, present.remainder
+        )
+        touch.gap[k, block] = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
+        push, drag, dashpot, stretch, friction_power, dashpot_power = pushed(
+            present, laws, tools, k, present.half_thickness - distance, normal, touch, works
+        )
+        store_rows3(touch.friction, 3 * k, block, stretch)
+        touch.reaction[k, block] = vec3(-lane_sum(push[0]), -lane_sum(push[1]), -lane_sum(push[2]))
+        return push, drag, dashpot, friction_power, dashpot_power
 
     @wp.func
     def meet_tools(
@@ -86,45 +139,17 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
         touch: Touch,
         works: wp.array2d(dtype=lanes),
     ):
-        block = present.block
         friction = lanes3()
         friction_power = lanes()
         dashpots = lanes3()
         dashpot_power = lanes()
         for k in range(laws.tool_count):
-            tool = tools.tool[k]
-            speed = real(tools.velocity[k])
-            # the tool moved over the last step, which is at most twice the mean step
-            distance_left = touch.gap[k, block] - real(2.0) * present.mean_step * wp.abs(speed) - present.thickened
-            if not distance_left > real(0.0):
-                distance, normal, clearance = tool_distance(
-                    tools.part, tool, tools.displacement[k], present.position, present.remainder
-                )
-                penetration = present.half_thickness - distance
-                deepest = lane_maximum(penetration)
-                distance_left = -lane_maximum(present.half_thickness - clearance) - laws.spare_distance
-                stretch = lanes3()
-                push = lanes3()
-                if not deepest <= real(0.0):
-                    tool_velocity = speed * vec3(real(tool.axis[0]), real(tool.axis[1]), real(tool.axis[2]))
-                    stretch = rows3(touch.friction, 3 * k, block)
-                    spring, pressed, dashpot, drag, stretch = contact(
-                        present, laws, tool.friction, tool_velocity, penetration, normal, stretch
-                    )
-                    if wp.static(traits.friction_laws):
-                        drag, stretch = rub_by_law(present, laws, tools, k, tool_velocity, normal, pressed, touch)
-                    if wp.static(traits.follows_thickness):
-                        works[THICKNESS_WORK, block] = works[THICKNESS_WORK, block] + spring * present.growth
-                    touch.depth[k, block] = larger(touch.depth[k, block], penetration)
-                    push = pressed + drag
-                    force = force + push
-                    friction = friction + drag
-                    dashpots = dashpots + dashpot
-                    friction_power = power(tool_velocity, drag, friction_power)
-                    dashpot_power = power(tool_velocity, dashpot, dashpot_power)
-                store_rows3(touch.friction, 3 * k, block, stretch)
-                touch.reaction[k, block] = vec3(-lane_sum(push[0]), -lane_sum(push[1]), -lane_sum(push[2]))
-            touch.gap[k, block] = distance_left
+            push, drag, dashpot, by_friction, by_dashpot = meet_tool(present, laws, tools, k, touch, works)
+            force = force + push
+            friction = friction + drag
+            dashpots = dashpots + dashpot
+            friction_power = friction_power + by_friction
+            dashpot_power = dashpot_power + by_dashpot
         return force, friction, friction_power, dashpots, dashpot_power
 
     return meet_tools

@@ -8,7 +8,7 @@ from ..contact.friction import NO_ARGUMENT, law_argument, table_function, tool_f
 from ..contact.penalty import friction_spring, touch_struct
 from ..contact.tool_distance import tool_set_struct
 from ..lane_types import lane_types
-from ..lanes import dot, larger, rows3, scale, square_root, where_positive
+from ..lanes import dot, larger, negative, rows3, scale, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .node_data import node_laws_struct, present_struct
 
@@ -64,7 +64,6 @@ def rub_by_law_function(real: type, lane_count: int, carried: bool = False):
         coefficient = coefficient_at(tools.argument, tools.coefficient, law.first, law.last, argument)
         held = friction_spring(trial, tangential, mul(coefficient, push))
         film = where_positive(push, law.film * area, lanes())
-        drag = -(scale(tangential, held) + scale(film, flat))
-        return drag, held
+        return negative(scale(tangential, held) + scale(film, flat)), held
 
     return rub_by_law

@@ -104,7 +104,7 @@ def moved_bytes(simulation: Any) -> float:
     if not model.sheet_traits.flat:
         flat += size * 8
     element_reads = flat + per_node * size * 3 * 4
-    element_own = 2 * size * (model.cell_law.unknown_count + CellReportRow.row_count())
+    element_own = 2 * size * (model.cell_law.unknown_count + model.cell_law.slope_count + CellReportRow.row_count())
     corners = size * CORNER_ROW_COUNT
     slots = model.nodes.corner_offset.shape[0]
     node_constants = 4 * slots + 4 + size * 4

@@ -6,20 +6,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 import time
-from collections import Counter
 from pathlib import Path
 
 import pytest
 import warp as wp
-from warp._src import context
 
 from tests.support.processes import environment
 from weavesim import kernel_cache
-from weavesim.app.command_line import SCENES, default_setups
-from weavesim.engine.compilation import KernelSet
-from weavesim.kernel_cache import SEAL_NAME, damage, hashed_once, modules, own_folders, remove_unused
+from weavesim.kernel_cache import SEAL_NAME, damage, modules, own_folders, remove_unused
 
 SLOW = pytest.mark.slow
 # Of one small kernel headers that are compiled before take longer than the kernel.
@@ -141,7 +136,6 @@ def no_room():
 @pytest.fixture
 def other_cache(monkeypatch, tmp_path):
     """Caches of this process in folders of the test."""
-    import warp as wp
 
     monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path / "no-room-here" / wp.config.version))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -275,105 +269,3 @@ def test_what_ended_compilers_left_is_cleared_at_once(tmp_path):
     os.utime(folder / f"wp_module_p{os.getpid()}_t1", (0.0, 0.0))
     kernel_cache.clear(tmp_path)
     assert list(tmp_path.iterdir()) == []
-
-
-def hash_of(*kernels):
-    """Of a module of these kernels, as Warp computes it where nothing is remembered, or within ``hashed_once``."""
-    return context.ModuleHasher(list(kernels), {}).get_hash()
-
-
-def test_kernels_have_the_hashes_of_warp_and_no_function_is_hashed_twice(monkeypatch):
-    hashed, plain = Counter(), context.ModuleHasher.hash_adjoint
-
-    def counted(self, adjoint):
-        hashed[adjoint] += 1
-        return plain(self, adjoint)
-
-    monkeypatch.setattr(context.ModuleHasher, "hash_adjoint", counted)
-    every = KernelSet.of_setups(default_setups(SCENES)).kernels()
-    expected = [hash_of(kernel) for kernel in every]
-    assert max(hashed.values()) > 10
-    hashed.clear()
-    with hashed_once():
-        assert [hash_of(kernel) for kernel in every] == expected
-    assert len(hashed) > 100 and set(hashed.values()) == {1}
-    assert [hash_of(kernel) for kernel in every[:3]] == expected[:3] and max(hashed.values()) > 1
-
-
-def test_a_further_overload_changes_the_hash_of_what_calls_it_at_once():
-    @wp.func
-    def doubled(x: float):
-        return 2.0 * x
-
-    @wp.func
-    def through(x: float):
-        return doubled(x)
-
-    @wp.kernel
-    def calls(x: wp.array(dtype=float)):
-        x[0] = through(x[0])
-
-    with hashed_once():
-        before = hash_of(calls)
-
-        @wp.func
-        def doubled(x: int):
-            return 2 * x
-
-        after = hash_of(calls)
-    assert before != after == hash_of(calls)
-
-
-@wp.func
-def _first(x: float):
-    return _second(x)
-
-
-@wp.func
-def _second(x: float):
-    return _first(x)
-
-
-@wp.kernel
-def _calls_first(x: wp.array(dtype=float)):
-    x[0] = _first(x[0])
-
-
-@wp.kernel
-def _calls_second(x: wp.array(dtype=float)):
-    x[0] = _second(x[0])
-
-
-def test_functions_that_call_each_other_are_hashed_with_both():
-    kernels = (_calls_first, _calls_second)
-    expected = [hash_of(kernel) for kernel in kernels]
-    with hashed_once():
-        assert [hash_of(kernel) for kernel in kernels] == expected
-        assert [hash_of(kernel) for kernel in reversed(kernels)] == expected[::-1]
-
-
-@wp.func
-def _third(x: float):
-    return 3.0 * x
-
-
-@wp.kernel
-def _calls_third(x: wp.array(dtype=float)):
-    x[0] = _third(x[0])
-
-
-def test_another_thread_is_left_alone():
-    found = []
-
-    def elsewhere():
-        # what it remembers of Warp's own, so that nothing of this thread is there
-        found.append(getattr(kernel_cache._hashing, "known", None))
-        found.append(hash_of(_calls_third))
-
-    with hashed_once():
-        hash_of(_calls_third)
-        thread = threading.Thread(target=elsewhere)
-        thread.start()
-        thread.join()
-        assert kernel_cache._hashing.known
-    assert found == [None, hash_of(_calls_third)]

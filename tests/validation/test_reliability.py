@@ -17,7 +17,7 @@ ROWS = {
 KINDS = (
     [f"A{k}" for k in range(1, 20)]
     + [f"B{k}" for k in range(1, 11)]
-    + [f"C{k}" for k in range(1, 12)]
+    + [f"C{k}" for k in range(1, 13)]
     + ["D1", "D2", "D3"]
 )
 

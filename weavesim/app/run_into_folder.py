@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
+from ..kernel_cache import hashed_once
 from ..run.checkpoint.pace import INTERVAL
 from .progress import ProgressBar, RunLog
 from .session import collected_alone, uncollected
@@ -28,6 +29,7 @@ SHORT_RUN = 60.0
 OF_LAST_FRAME = frozenset({"summary", "tables", "pictures", "results"})
 
 
+@hashed_once()  # also for kernels of the report
 def run_into_folder(
     setup: Setup,
     folder: ResultFolder,

@@ -18,6 +18,9 @@ from .terminal import say
 
 logger = logging.getLogger(__name__)
 
+# New objects after which a run searches for garbage; usually 700, and libraries that it loads make a hundred thousand.
+OBJECTS_BETWEEN_SEARCHES = 10_000
+
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
@@ -80,6 +83,8 @@ def collected_alone() -> Iterator[None]:
     global _has_run
     first, _has_run = not _has_run, True
     rests = _rests and not gc.isenabled()
+    thresholds = gc.get_threshold()
+    gc.set_threshold(max(thresholds[0], OBJECTS_BETWEEN_SEARCHES) if thresholds[0] else 0, *thresholds[1:])
     if first:
         gc.freeze()
     if rests:
@@ -87,6 +92,7 @@ def collected_alone() -> Iterator[None]:
     try:
         yield
     finally:
+        gc.set_threshold(*thresholds)
         if rests:
             gc.disable()
         if first:

@@ -348,7 +348,7 @@ class SheetModel:
 
     def initial_unknowns(self) -> np.ndarray:
         """Unknowns of every element's unit cell at rest, (rows, padded elements)."""
-        rows = np.zeros((self.cell_law.row_count, self.element_count))
+        rows = np.zeros((self.cell_law.kept_row_count, self.element_count))
         rows[: self.cell_law.unknown_count] = np.array(self.fabric.unit_cell.initial_unknowns)[:, None]
         return rows
 

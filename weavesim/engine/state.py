@@ -47,7 +47,7 @@ class SheetState:
     """What the kernels write of one sheet. Scalars are [row, element or node], padded; see ``kernels/rows.py``."""
 
     motion: wp.array  # flat, ``SheetModel.motion_layout``: rows MotionRow
-    cell_unknowns: wp.array  # (unknowns of the unit cell, at least one; elements)
+    cell_unknowns: wp.array  # (unknowns of the unit cell, at least one, then its slopes; elements)
     cell_report: wp.array  # (rows, elements), CellReportRow
     slip: wp.array  # (rows, elements), SlipRow; (rows, BLOCK) for a fabric without friction inside
     corner_force: wp.array  # flat, ``SheetModel.corners``, rows CornerRow

@@ -253,11 +253,12 @@ class Stepper:
 
     def _take_turn(self, largest_block_count: int) -> int:
         """Do blocks on the chosen number of threads until the next choice; returns the number of blocks done."""
-        graphs = self._recorded_blocks(self._choice.count)
-        block_count = min(largest_block_count, self._choice.block_count())
+        choice = self._choice.present()
+        graphs = self._recorded_blocks(choice.count)
+        block_count = min(largest_block_count, choice.block_count())
         started = time.perf_counter()
         self._replay.run(graphs, block_count)
-        self._choice.report(block_count, time.perf_counter() - started)
+        choice.report(block_count, time.perf_counter() - started)
         self.state.step_count += block_count * REFRESH_INTERVAL
         return block_count
 

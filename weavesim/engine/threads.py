@@ -1,11 +1,16 @@
-"""How many threads a run uses: measured on its own steps, and again from time to time."""
+"""How many threads a run uses: measured on its own steps, and again from time to time; and who takes turns with it."""
 
 from __future__ import annotations
 
 import math
+import sys
+import threading
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
+
+from ..device import available_threads
 
 # Length of a turn on the fastest number of threads [s]: long compared with starting a thread.
 TURN = 0.05
@@ -15,6 +20,50 @@ PROBE = 0.03
 PROBE_INTERVAL = 0.2
 # Share of the run time that probes of one number of threads may cost.
 PROBE_SHARE = 0.01
+
+_changing = threading.Lock()
+# Contexts of ``beside_steps``; the intervals of those of ``soon`` [s], after the one that was there before any.
+_beside_count = 0
+_intervals: list[float] = []
+
+
+@contextmanager
+def beside_steps() -> Iterator[None]:
+    """For a thread that computes while others of this process step: runs that choose their threads leave it a core."""
+    global _beside_count
+    with _changing:
+        _beside_count += 1
+    try:
+        yield
+    finally:
+        with _changing:
+            _beside_count -= 1
+
+
+def anyone_beside() -> bool:
+    """Whether any thread is in ``beside_steps``."""
+    return _beside_count > 0
+
+
+@contextmanager
+def soon(interval: float) -> Iterator[None]:
+    """Inside this context, a thread that wants to run Python gets its turn within ``interval`` [s], or what it was.
+
+    Contexts of several threads may end in any order; after the last, all is as before the first.
+    """
+    with _changing:
+        if not _intervals:
+            _intervals.append(sys.getswitchinterval())
+        _intervals.append(interval)
+        sys.setswitchinterval(min(_intervals))
+    try:
+        yield
+    finally:
+        with _changing:
+            _intervals.remove(interval)
+            sys.setswitchinterval(min(_intervals))
+            if len(_intervals) == 1:
+                _intervals.clear()
 
 
 class Turn(NamedTuple):
@@ -33,12 +82,16 @@ class ThreadChoice:
     probe. A number that other programs slow down is dropped after a slow turn or two, probed occasionally, and used
     again when it is fastest again.
 
+    While other threads of this process compute (``beside_steps``), another choice takes its place: what is measured
+    then holds for then only.
+
     Args:
         counts: numbers of threads, ascending; the first turn uses the first.
     """
 
     def __init__(self, counts: Sequence[int]) -> None:
         self.counts = tuple(counts)
+        self._meanwhile: dict[tuple[int, ...], ThreadChoice] = {}  # other choices, by their numbers
         self.count = self.counts[0]
         self._turns: dict[int, tuple[Turn, ...]] = {}  # the last two, or the last probe
         self._due = dict.fromkeys(self.counts, 0.0)  # time of the next probe
@@ -50,7 +103,19 @@ class ThreadChoice:
     @property
     def most_used(self) -> int:
         """The number that did most blocks; before the first block, the one to begin with."""
-        return self._blocks.most_common(1)[0][0] if self._blocks else self.count
+        blocks = sum((other._blocks for other in self._meanwhile.values()), self._blocks)
+        return blocks.most_common(1)[0][0] if blocks else self.count
+
+    def present(self) -> ThreadChoice:
+        """What to take now: this choice, or one among the numbers that leave a core to everybody else who computes.
+
+        A single number that was given stays.
+        """
+        if not _beside_count or len(self.counts) == 1:
+            return self
+        most = available_threads() - _beside_count
+        counts = tuple(count for count in self.counts if count <= most) or self.counts[:1]
+        return self._meanwhile.setdefault(counts, ThreadChoice(counts))
 
     def block_count(self) -> int:
         """Blocks until the current turn should end, at least one."""

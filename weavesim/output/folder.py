@@ -21,7 +21,7 @@ from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
 from .files import check_writable, noting, plain, write_text
 from .history import History
-from .loading import Loading, check_installed, check_packages
+from .loading import LONGEST_WAIT, Loading, check_installed, check_packages
 from .results import Results, Wanted, run_summary, sheet_results
 from .writer import Failures, Writer, chosen_writers
 
@@ -172,7 +172,7 @@ class ResultFolder:
 
     def finish(self, outcome: Outcome) -> None:
         self._outcome = outcome
-        self._loading.wait()
+        self._wait()
         self._inform(lambda writer: writer.finish(outcome))
 
     def add(self, path: Path) -> None:
@@ -190,7 +190,7 @@ class ResultFolder:
             if writer.needs_load and not self._loading.has(type(writer).load):
                 if len(waiting) <= LARGEST_WAITING_COUNT:
                     continue
-                self._loading.wait()
+                self._wait()
             while waiting and writer in self._writers:
                 self._tell(writer, waiting.pop(0))
 
@@ -198,9 +198,20 @@ class ResultFolder:
         with noting(self.add):
             told = writer.attempt(writer.title, partial(message, writer))
         if not told:
-            self._writers.remove(writer)
-            with suppress(Exception):
-                writer.discard()
+            self._abandon(writer)
+
+    def _abandon(self, writer: Writer) -> None:
+        self._writers.remove(writer)
+        with suppress(Exception):
+            writer.discard()
+
+    def _wait(self) -> None:
+        """Wait for the libraries of all writers; one whose libraries hang is abandoned, since it would hang too."""
+        self._loading.wait()
+        for writer in [one for one in self._writers if type(one).load == self._loading.hangs]:
+            text = f"{writer.title} could not be written and is given up: its libraries are not there after"
+            self.warnings.note(writer.title, f"{text} {LONGEST_WAIT:g} s")
+            self._abandon(writer)
 
     def _try(self, what: str, action: Callable[[], object], verb: str = "written") -> bool:
         """Run ``action``; a failure is noted once and costs nothing else."""
@@ -240,7 +251,7 @@ class ResultFolder:
         frame = self.history.last_frame
         if frame is None or self._record is None:
             raise InputError("results: there is no frame to write; run the simulation with this folder as observer")
-        self._loading.wait()  # a copy of the process must not be made within an import
+        self._wait()  # a copy of the process must not be made within an import
         sheets = sheet_results(self._info, self._wanted, frame)
         given = {"run_id": self._info.run_id, **summary}
         failed = partial(self.warnings.add, verb="computed")

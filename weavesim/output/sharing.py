@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import NoReturn
 
+from ..engine.threads import anyone_beside
 from ..run.interruption import SIGNALS
 
 # A copy that says nothing for so many times as long as this process has worked, and for so long at least [s], is ended.
@@ -23,8 +24,8 @@ _SIZE = 2
 
 
 def can_share() -> bool:
-    """Whether this system copies processes, and has a core for the copy."""
-    return sys.platform == "linux" and len(os.sched_getaffinity(0)) > 1
+    """Whether this system copies processes, and has a core for the copy; no thread may be within an import."""
+    return sys.platform == "linux" and len(os.sched_getaffinity(0)) > 1 and not anyone_beside()
 
 
 class Sharing:

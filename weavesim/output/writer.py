@@ -96,7 +96,10 @@ class Writer:
 
     @classmethod
     def load(cls) -> None:
-        """Do slow imports, in another thread while the first steps are done; nothing else may happen here."""
+        """Do slow imports, and prepare what does not depend on the run; nothing else may happen here.
+
+        Another thread does it beside the first steps.
+        """
 
     def start(self, info: RunInfo) -> None:
         """Called when a run begins."""

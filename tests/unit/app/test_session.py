@@ -40,6 +40,20 @@ def test_a_run_collects_what_it_makes_and_only_the_first_of_a_process_keeps_what
         assert gc.get_freeze_count() == 0
 
 
+def test_a_run_searches_for_garbage_less_often_and_afterwards_all_is_as_before():
+    before = gc.get_threshold()
+    with pytest.raises(ValueError, match="lost"), collected_alone():
+        assert gc.get_threshold() == (session.OBJECTS_BETWEEN_SEARCHES, *before[1:]) != before
+        raise ValueError("lost")
+    assert gc.get_threshold() == before
+    gc.set_threshold(0)  # never
+    try:
+        with collected_alone():
+            assert gc.get_threshold()[0] == 0
+    finally:
+        gc.set_threshold(*before)
+
+
 def test_a_run_of_whoever_collects_nothing_collects_nothing():
     gc.disable()
     try:

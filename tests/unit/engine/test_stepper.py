@@ -11,6 +11,7 @@ from weavesim.device import load_kernel
 from weavesim.engine import sheet_model
 from weavesim.engine import stepper as stepper_module
 from weavesim.engine.stepper import REFRESH_INTERVAL
+from weavesim.engine.threads import ThreadChoice, beside_steps
 from weavesim.engine.tiling import division
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.machine import flush_subnormals, restore_subnormals
@@ -189,6 +190,9 @@ class EveryCount:
     def __init__(self, counts: tuple[int, ...]) -> None:
         self.counts, self.count, self.used = counts, counts[0], []
 
+    def present(self) -> "EveryCount":
+        return self
+
     def block_count(self) -> int:
         return 2
 
@@ -205,6 +209,19 @@ def test_threads_may_change_during_a_run(monkeypatch):
     changing.stepper.advance(12)
     assert changing.stepper._choice.used == [1, 2, 3, 1, 2, 3]
     assert arrived(changing) == arrived(fixed)
+
+
+def test_while_others_of_the_process_compute_they_are_left_a_core_and_no_bit_changes(monkeypatch):
+    monkeypatch.setattr("weavesim.engine.threads.available_threads", lambda: 2)
+    fixed = thrown_sheet(monkeypatch, lane_count=LANES)
+    fixed.stepper.advance(12)
+    free = thrown_sheet(monkeypatch, lane_count=LANES, threads=2)
+    free.stepper._choice = ThreadChoice((1, 2))
+    with beside_steps():
+        free.stepper.advance(6)
+        assert set(free.stepper._block_graphs) == {1} and free.stepper.thread_count == 1
+    free.stepper.advance(6)
+    assert arrived(free) == arrived(fixed)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

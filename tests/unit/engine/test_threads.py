@@ -1,12 +1,14 @@
 """The number of threads that a run takes, on machines whose speed is known."""
 
+import sys
 from collections.abc import Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weavesim.engine.threads import PROBE, PROBE_INTERVAL, TURN, ThreadChoice
+from weavesim.engine import threads as module
+from weavesim.engine.threads import PROBE, PROBE_INTERVAL, TURN, ThreadChoice, beside_steps, soon
 
 
 class Machine:
@@ -122,3 +124,46 @@ def test_a_given_number_stays():
 def test_before_the_first_turn_nothing_is_known():
     choice = ThreadChoice((1, 2))
     assert choice.block_count() == 1 and choice.count == choice.most_used == 1
+
+
+@pytest.mark.parametrize(
+    ("cores", "counts", "used"),
+    [(2, (1, 2), {1}), (4, (1, 2, 4), {1, 2}), (3, (1, 2, 3), {1, 2}), (1, (1,), {1}), (2, (2,), {2}), (1, (2,), {2})],
+)
+def test_a_core_is_left_to_who_computes_beside_the_steps(monkeypatch, cores, counts, used):
+    monkeypatch.setattr(module, "available_threads", lambda: cores)
+    whole, tried = ThreadChoice(counts), []
+    with beside_steps():
+        for _ in range(40):
+            choice = whole.present()
+            tried.append(choice.count)
+            choice.report(1, 1.0 / choice.count)
+    assert set(tried) == used
+    assert whole.most_used in used
+    # nothing that was measured meanwhile counts afterwards
+    assert whole.present() is whole and (len(counts) == 1 or (whole.count == 1 and whole.block_count() == 1))
+
+
+def test_two_who_compute_take_two_cores_and_one_thread_is_left(monkeypatch):
+    monkeypatch.setattr(module, "available_threads", lambda: 4)
+    choice = ThreadChoice((1, 2, 4))
+    with beside_steps():
+        assert choice.present().counts == (1, 2)
+        with beside_steps(), beside_steps(), beside_steps():
+            assert choice.present().counts == (1,)
+        assert choice.present().counts == (1, 2)
+    assert choice.present() is choice
+
+
+def test_python_takes_turns_as_before_in_whatever_order_contexts_end():
+    before = sys.getswitchinterval()
+    first, second = soon(5e-4), soon(2e-4)
+    first.__enter__()
+    assert sys.getswitchinterval() == pytest.approx(5e-4)
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert sys.getswitchinterval() == pytest.approx(2e-4)
+    second.__exit__(None, None, None)
+    assert sys.getswitchinterval() == before
+    with soon(10.0):  # it never gets later
+        assert sys.getswitchinterval() == before

@@ -10,6 +10,8 @@ import numpy as np
 TILE_SIZE = 1024
 # Runs of a tile in the mean, of elements and of nodes; each is a launch.
 LARGEST_RUN_COUNT = 8
+# The same where elements go in their own order; elements in no order have more, or gain nothing.
+LARGEST_OWN_RUN_COUNT = 4
 
 
 def chunks(count: int, part_count: int) -> list[tuple[int, int]]:
@@ -56,7 +58,8 @@ def divide_step(
     A node can move as soon as all of its elements are done, and it is fastest while their forces are in the cache.
     Elements go in the order of the nodes that they touch, so that those along a border, which a mesh may have behind
     all others, are done together with their neighbours; nearly all nodes can then move with a tile. In a mesh in no
-    order such tiles would be of many runs: its elements go in their own order, and all nodes wait.
+    order such tiles would be of many runs: its elements go in their own order, and nodes move with them if these tiles
+    have few runs (a mesh in rows whose border nodes come before all others); else all nodes wait.
 
     Args:
         element_nodes: (4, padded element count) corner nodes.
@@ -65,18 +68,26 @@ def divide_step(
         tile_size: elements of a tile.
         window: blocks of elements that stay together, from the first block on.
     """
-    in_order = _divided(element_nodes, lane_count, thread_count, tile_size, window, by_nodes=True)
-    tile_count = sum(len(part.tiles) for part in in_order)
-    if sum(part.run_count for part in in_order) <= LARGEST_RUN_COUNT * tile_count:
-        return in_order
-    return _divided(element_nodes, lane_count, thread_count, tile_size, window, by_nodes=False)
+    by_nodes = _order(element_nodes, lane_count * window, window)
+    for order, most in ((by_nodes, LARGEST_RUN_COUNT), (None, LARGEST_OWN_RUN_COUNT)):
+        parts = _divided(element_nodes, lane_count, thread_count, tile_size, window, order)
+        if sum(part.run_count for part in parts) <= most * sum(len(part.tiles) for part in parts):
+            return parts
+    return _divided(element_nodes, lane_count, thread_count, tile_size, window, None, in_sequence=True)
 
 
 def _divided(
-    element_nodes: np.ndarray, lane_count: int, thread_count: int, tile_size: int, window: int, by_nodes: bool
+    element_nodes: np.ndarray,
+    lane_count: int,
+    thread_count: int,
+    tile_size: int,
+    window: int,
+    order: np.ndarray | None,
+    in_sequence: bool = False,
 ) -> list[Part]:
+    """Parts of blocks of elements in an order, None for their own; ``in_sequence``: of nodes too."""
     block_count, node_block_count = element_nodes.shape[1] // lane_count, element_nodes.max() // lane_count + 1
-    order = _order(element_nodes, lane_count * window, window) if by_nodes else np.arange(block_count)
+    order = np.arange(block_count) if order is None else order
     turn = np.empty(block_count, dtype=np.int64)
     turn[order] = np.arange(block_count)
     turn_of_element = np.repeat(turn, lane_count)
@@ -85,8 +96,8 @@ def _divided(
     for nodes in element_nodes:
         np.minimum.at(first, nodes // lane_count, turn_of_element)
         np.maximum.at(last, nodes // lane_count, turn_of_element)
-    if not by_nodes:
-        # node blocks stay in order: each waits for those before it too
+    if in_sequence:
+        # each block of nodes waits for those before it too
         last = np.maximum.accumulate(last)
         first = np.minimum.accumulate(first[::-1])[::-1]
     tile_block_count = max(tile_size // (lane_count * window), 1) * window

@@ -146,13 +146,13 @@ class Film:
         self._frames.append(frame.index)
         if self._pace.due():
             self._complete()
+            self._save()
             # a copy that has no room is no reason to give the film up
             with suppress(OSError):
                 self._publish(lambda copy: shutil.copyfile(temporary_name(self.path), copy))
             self._pace.done()
         elif len(self._frames) % _FRAMES_PER_FLUSH == 0:
-            with usd_errors():
-                self._stage.Save()
+            self._save()
 
     def _turn(self, tool: int, pose: Pose, code: float) -> None:
         """Rotate a tool at a time code, as a quaternion, between which programs interpolate."""
@@ -178,6 +178,7 @@ class Film:
             with usd_errors():
                 self._publish(lambda copy: self._stage.GetRootLayer().Export(str(copy)))
         except OSError:  # there is room for one only
+            self._save()
             self._release()
             os.replace(temporary_name(self.path), self.path)
         self.discard()
@@ -192,7 +193,7 @@ class Film:
             copy.unlink(missing_ok=True)
 
     def _complete(self) -> None:
-        """Save what makes the frames so far a film."""
+        """Add what makes the frames so far a film."""
         stage = self._stage
         stage.SetStartTimeCode(float(self._frames[0]))
         stage.SetEndTimeCode(float(self._frames[-1]))
@@ -219,8 +220,11 @@ class Film:
             for name, seen in (("stacked", view), ("exploded", apart)):
                 with in_variant(stage, "view", name):
                     place_legend(stage, seen.legend())
+
+    def _save(self) -> None:
+        """Write what there is to the temporary file."""
         with usd_errors():
-            stage.Save()
+            self._stage.Save()
 
     def discard(self) -> None:
         """Stop writing; what was saved under the name of the film stays."""

@@ -52,10 +52,13 @@ _is_styled: ContextVar[bool] = ContextVar("_is_styled", default=False)
 
 
 def load() -> None:
-    """Import what draws, before it is needed."""
+    """Import what draws, before it is needed, with what reads powers of ten."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: F401
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.mathtext import MathTextParser
 
     _kind()
+    MathTextParser("agg").parse("$10^{0}$", prop=FontProperties())
 
 
 @contextmanager

@@ -48,9 +48,9 @@ class _Picture:
 
 
 def load() -> None:
-    """What every page needs: its template and its scripts."""
+    """What every page needs: its template and its colours."""
     _template()
-    _scripts()
+    colour_tables()
 
 
 def write_page(path: Path, content: PageContent, numbers: str = "") -> None:

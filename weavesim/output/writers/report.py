@@ -26,8 +26,8 @@ class ReportWriter(Writer):
 
     @classmethod
     def load(cls) -> None:
-        """Import what renders pages."""
-        import jinja2  # noqa: F401
+        """Import what renders pages, and prepare what all of them have."""
+        load()
 
     def start(self, info: RunInfo) -> None:
         """Begin to keep frames."""
@@ -57,7 +57,6 @@ class ReportWriter(Writer):
 
     def begin(self, results: Results, meanwhile: ExitStack) -> None:
         """Make what needs no pictures, while a copy of this process draws them."""
-        load()
         self._begun = begun_page(results, self._recorder, self.folder, self._constant)
         self._numbers = numbers_of(self._begun.content)
 

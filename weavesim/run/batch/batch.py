@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import logging
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from typing import Any
 
 from ...device import exclusive, resolve_device, resolve_thread_counts
 from ...engine.setup import Setup
+from ...engine.threads import soon
 from ...engine.worlds.alike import obstacles
 from ...engine.worlds.mirror import Unalike
 from ...errors import InputError, RunError
@@ -84,7 +84,7 @@ def run_batch(
         for name in (name for name, is_cpu in on_cpu.items() if not is_cpu):
             own = [index for index, setup in enumerate(setups) if setup.solver.device == name]
             results |= runner.run_together(name, own, interrupted)
-        with _soon(), ThreadPoolExecutor(thread_count) as pool:
+        with soon(SWITCH_INTERVAL), ThreadPoolExecutor(thread_count) as pool:
             runs = {index: pool.submit(runner.run, index, interrupted) for index in of_cpu}
             results |= {index: run.result() for index, run in runs.items()}
     return [results[index] for index in range(len(setups))]
@@ -189,14 +189,3 @@ class Runner:
 
 def _with_solver(setup: Setup, **settings: object) -> Setup:
     return setup.model_copy(update={"solver": setup.solver.model_copy(update=settings)})
-
-
-@contextmanager
-def _soon() -> Iterator[None]:
-    """Inside this context, a thread that wants to run Python gets its turn soon."""
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(before)

@@ -66,6 +66,19 @@ def test_elements_along_the_border_are_done_with_their_neighbours():
     assert part.run_count < 6 * len(part.tiles)
 
 
+def test_nodes_of_a_mesh_in_rows_whose_border_comes_first_move_with_their_tiles():
+    """Mesh generators number corners and sides before what is inside: elements in rows, in their own order."""
+    blank = Blank.rectangle((0.0, 0.0), (1.0, 1.0), 1.0 / 100.0)
+    x, y, _ = blank.node_position.T
+    inside = (np.minimum(x, y) > 1e-9) & (np.maximum(x, y) < 1.0 - 1e-9)
+    number = np.empty(blank.node_count, dtype=np.int64)
+    number[np.argsort(inside, kind="stable")] = np.arange(blank.node_count)
+    (part,) = divide_step(padded_corners(number[blank.quads], blank.node_count), LANES, 1, 1024)
+    moved = [sum(count for _, count in tile.nodes) for tile in part.tiles]
+    assert [tile.elements for tile in part.tiles[:2]] == [((0, 64),), ((64, 64),)]
+    assert min(moved) > 0.8 * 1024 / LANES and part.run_count <= 4 * len(part.tiles)
+
+
 def test_elements_in_no_order_keep_their_own():
     blank = Blank.rectangle((0.0, 0.0), (1.0, 1.0), 1.0 / 60.0)
     quads = np.random.default_rng(0).permutation(blank.quads)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.support.registered_cells import CELLS
 from weavesim.fabric.cell import EnergyCell
 from weavesim.fabric.cell.contract import by_component
-from weavesim.kernels.cell.cell_formulas import STRAIN_COUNT, StateRows, cell_formulas
+from weavesim.kernels.cell.cell_formulas import STRAIN_COUNT, cell_formulas, newton_names, state_names
 from weavesim.kernels.cell.energy_cell import CellFunctions
 from weavesim.kernels.formula.graph import evaluated
 
@@ -30,8 +30,8 @@ def made():
 
 
 def values(cell, formulas, outputs, state, **others):
-    """Of some outputs at a state (strains, unknowns, and other rows by name, else 0), as an array."""
-    names = StateRows(cell.unknown_count).names()
+    """Of some outputs at a state (strains, unknowns, and other values by name, else 0), as an array."""
+    names = (*state_names(cell.unknown_count), *newton_names(cell.unknown_count))
     symbols = by_component(cell.parameters()) | SETTINGS | dict.fromkeys(names, 0.0) | {"active": 1.0}
     symbols |= dict(zip(names, state, strict=False)) | others
     return np.array([float(value) for value in evaluated(outputs, symbols)])
@@ -41,10 +41,17 @@ def slopes(cell, formulas, state):
     return values(cell, formulas, formulas.slopes, state)
 
 
+def answers(cell, formulas, state, **others):
+    """What an evaluation tells, by name."""
+    found = values(cell, formulas, list(formulas.evaluation.values()), state, **others)
+    return dict(zip(formulas.evaluation, found, strict=True))
+
+
 def iterated(cell, formulas, state, **others):
-    """The rows after an iteration by name."""
-    rows = values(cell, formulas, formulas.iteration, state, **others)
-    return dict(zip(StateRows(cell.unknown_count).names(), rows, strict=True))
+    """Answers and state after an iteration by name."""
+    told = answers(cell, formulas, state, **others)
+    after = values(cell, formulas, list(formulas.advance.values()), state, **others | told)
+    return told | dict(zip(formulas.advance, after, strict=True))
 
 
 def unknowns_in(rows, kind="unknown"):
@@ -73,10 +80,13 @@ def test_derivatives_are_those_of_the_energy(made, name, seed):
     cell, formulas = made[name]
     state = random_state(cell, seed)
     size = max(cell.yarn_stiffness_per_width)
-    numerical = differences(lambda x: values(cell, formulas, formulas.first[:1], x), state, 1e-6)[0]
+    numerical = differences(lambda x: values(cell, formulas, [formulas.evaluation["energy"]], x), state, 1e-6)[0]
     np.testing.assert_allclose(slopes(cell, formulas, state), numerical, rtol=1e-6, atol=1e-7 * size)
     wanted = CELLS[name].reference(cell, 1.0 + state[:2], state[2], state[3:])
-    assert values(cell, formulas, formulas.first[:1], state)[0] == pytest.approx(wanted, rel=1e-12)
+    told = answers(cell, formulas, state)
+    assert told["energy"] == pytest.approx(wanted, rel=1e-12)
+    forces = [told[name] for name in ("warp_force", "weft_force", "moment")]
+    assert np.array_equal(forces, slopes(cell, formulas, state)[:STRAIN_COUNT])
     assert values(cell, formulas, formulas.parts, state).sum() == pytest.approx(wanted, rel=1e-12)
 
 
@@ -107,6 +117,15 @@ def test_newtons_step_and_the_condensed_tangent(made, name, seed, shift):
         assert np.all(moved == 0.0) and after["shift"] == max(2.0 * shift, 1e-3) and after["active"] == 1.0
         return
     if n:
+        follow = np.zeros((n, STRAIN_COUNT))
+        told = answers(cell, formulas, state)
+        for place, value in zip(
+            formulas.follow, values(cell, formulas, [*formulas.follow.values()], state, **told), strict=True
+        ):
+            follow[place] = value
+        if shift == 0.0:
+            exact = -np.linalg.solve(inner, hessian[STRAIN_COUNT:, :STRAIN_COUNT])
+            np.testing.assert_allclose(follow, exact, rtol=1e-4, atol=1e-5 * (1.0 + np.abs(exact).max()))
         step = np.linalg.solve(inner, -slopes(cell, formulas, state)[STRAIN_COUNT:])
         step *= 0.25 / max(0.25, np.abs(step).max())
         np.testing.assert_allclose(moved, step, rtol=1e-4, atol=1e-6)
@@ -143,7 +162,7 @@ def test_a_long_step_is_undone_where_the_energy_has_grown(made):
     cell, formulas = made["twill"]
     state = random_state(cell, 3)
     last = {f"change{k}": 0.01 for k in range(4)}
-    energy = values(cell, formulas, formulas.first, state)[0]
+    energy = answers(cell, formulas, state)["energy"]
     far, near = (iterated(cell, formulas, state, slope=-1e9, before=energy * grown, **last) for grown in (0.9, 1.1))
     assert near["before"] == pytest.approx(energy) and far["before"] == pytest.approx(0.9 * energy)
 
@@ -162,8 +181,13 @@ def test_residual_is_the_largest_force_over_what_it_is_compared_with(made):
     cell, formulas = made["twill"]
     state = random_state(cell, 2)
     slope = slopes(cell, formulas, state)
-    wanted = np.abs(slope[STRAIN_COUNT:]).max() / (np.abs(slope[:STRAIN_COUNT]).sum() + FLOOR + 1e-9 * 7.0)
-    assert values(cell, formulas, formulas.first, state, stiffest=7.0)[-1] == pytest.approx(wanted, rel=1e-12)
+    _, inner = matrices(cell, formulas, state)
+    stiffest = (np.abs(np.diag(inner)) * (1.0 + np.abs(state[STRAIN_COUNT:]))).max()
+    for resolution in (1e-9, 1.0):
+        size = np.abs(slope[:STRAIN_COUNT]).sum() + FLOOR + resolution * stiffest
+        wanted = np.abs(slope[STRAIN_COUNT:]).max() / size
+        found = answers(cell, formulas, state, resolution=resolution)["residual"]
+        assert found == pytest.approx(wanted, rel=1e-6)
 
 
 def test_an_unknown_without_stiffness_gets_one(made):

@@ -12,15 +12,21 @@ from warp import float64 as real
 
 from scripts.benchmarks.cuda_resources import dump_program, resources
 from tests.support.registered_cells import CELLS, KnottedNet
+from tests.support.runs import small_run
 from weavesim.checks import Positive
 from weavesim.device import initialise, resolve_precision
 from weavesim.fabric.cell import EnergyCell
+from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.response import respond
 from weavesim.kernels.cell import energy_lanes
+from weavesim.kernels.cell.cell_formulas import cell_formulas
+from weavesim.kernels.cell.energy_cell import CellFunctions
 from weavesim.kernels.cell.law import cell_answer_struct
 from weavesim.kernels.cell.response import unit_cell_response_kernel
 from weavesim.kernels.formula.values import Unreadable
 from weavesim.kernels.lane_types import lane_types
+from weavesim.kernels.rows import CellReportRow
+from weavesim.process.dynamics import Dynamics
 
 # One of each set of functions.
 NAMES = ("twill", "stitched-tape", "linear-membrane", "user's net")
@@ -68,7 +74,11 @@ def test_answers_are_those_of_differentiation_by_warp(name, lane_by_lane):
 def sixteen_kernel(law, precision):
     types = lane_types(precision, 16)
     lanes, Unknowns = types.lanes, wp.types.matrix((law.row_count, 16), precision)
-    Answer, Cell, solve = cell_answer_struct(precision, 16, law.row_count), law.parameters(precision), law.solve
+    Answer, Cell, solve = (
+        cell_answer_struct(precision, 16, law.row_count, law.slope_count),
+        law.parameters(precision),
+        law.solve,
+    )
 
     @wp.kernel(module="unique", enable_backward=False)
     def sixteen(
@@ -238,3 +248,81 @@ def test_every_built_in_cell_is_in_lanes():
 def test_one_lane_builds_for_a_gpu(name):
     needs = resources(unit_cell_response_kernel(wp.float32, CELLS[name].make().law()), 90)
     assert 0 < needs.registers <= 255 and needs.stack <= 256
+
+
+def thrown(name):
+    """A small thrown sheet of sixteen elements in one block, with a cell of that name."""
+    velocity = np.random.default_rng(3).normal(scale=0.3, size=(25, 3))
+    base = glass_polypropylene()
+    shear = base.shear.model_copy(update={"locking_stiffness": 0.0})
+    fabric = base.model_copy(update={"unit_cell": CELLS[name].make(), "shear": shear})
+    return small_run(
+        lane_count=16, duration=1.0, initial_velocity=velocity, fabric=fabric,
+        dynamics=Dynamics(gravity=(0.0, 0.0, 0.0)),
+    )  # fmt: skip
+
+
+def formulas_of(cell):
+    fields = tuple((field, np.size(value)) for field, value in cell.parameters().items())
+    functions = {label: function for label, function in cell.functions().items() if function is not None}
+    return cell_formulas(fields, cell.unknown_count, CellFunctions(**functions))
+
+
+@pytest.mark.parametrize("name", ["twill", "user's net"])
+def test_the_next_start_follows_the_strains(name):
+    """What a step leaves for the next start: the derivatives of the unknowns in equilibrium by the strains."""
+    simulation, small = thrown(name), 1e-8
+    cell = CELLS[name].make()
+    simulation.stepper.advance(20)
+    sheet = simulation.state.sheet
+    report = dict(zip(CellReportRow.names(), sheet.cell_report.numpy()[:, :16], strict=True))
+    strain = np.array([report["warp_strain"], report["weft_strain"]]).T
+    # the angle is kept for those that depend on it
+    angle = report["shear_angle"]
+    unknowns, slopes = np.split(sheet.cell_unknowns.numpy()[:, :16], [cell.unknown_count])
+
+    def in_equilibrium(change):
+        found = respond(cell, 1.0 + strain + change[:2], angle + change[2], increment_count=1, start=unknowns.T)
+        return found.unknowns.T
+
+    followed = tuple(formulas_of(cell).follow)
+    assert len(slopes) == len(followed) == cell.law().slope_count
+    for row, (unknown, number) in zip(slopes, followed, strict=True):
+        change = small * np.eye(3)[number]
+        exact = (in_equilibrium(change)[unknown] - in_equilibrium(-change)[unknown]) / (2.0 * small)
+        np.testing.assert_allclose(row, exact, rtol=1e-3, atol=1e-3)
+    assert np.abs(slopes).max() > 0.1
+    # the next step starts there
+    ahead = simulation.stepper.look_ahead().sheets[0].cell_report.numpy()[:, :16]
+    report = dict(zip(CellReportRow.names(), ahead, strict=True))
+    strain = np.array([report["warp_strain"], report["weft_strain"]]).T
+    from_last = respond(cell, 1.0 + strain, report["shear_angle"], increment_count=1, start=unknowns.T).iterations
+    assert report["iterations"].sum() < from_last.sum()
+
+
+def test_a_change_as_large_as_a_snap_is_not_followed():
+    """Neither is what is not a number; and the other lanes are."""
+    law = CELLS["user's net"].make().law()
+    lanes, kinds = lane_types(wp.float64, 16).lanes, {"dtype": wp.float64}
+    Slopes = wp.types.matrix((law.slope_count, 16), **kinds)
+    Unknowns, follow = wp.types.matrix((law.row_count, 16), **kinds), law.follow
+    Cell = law.parameters(wp.float64)
+
+    @wp.kernel(module="unique", enable_backward=False)
+    def start(cell: Cell, change: lanes, slopes: Slopes, last: Unknowns, found: wp.array(dtype=Unknowns)):
+        found[0] = follow(cell, change, change, change, slopes, last)
+
+    change = np.full(16, 1e-3)
+    change[3], change[5] = 0.2, np.nan
+    last = np.arange(16.0 * law.row_count).reshape(law.row_count, 16)
+    found = wp.zeros(1, dtype=Unknowns, device="cpu")
+    slopes = np.ones((law.slope_count, 16))
+    wp.launch(
+        start,
+        dim=1,
+        inputs=[Cell(), lanes(*change), Slopes(*slopes.ravel()), Unknowns(*last.ravel()), found],
+        device="cpu",
+    )
+    moved = found.numpy()[0] - last
+    still = np.isin(np.arange(16), (3, 5))
+    assert np.all(moved[:, still] == 0.0) and np.all(moved[:, ~still] > 0.0)

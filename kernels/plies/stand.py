@@ -187,7 +187,7 @@ def settling_options(real: type) -> dict[str, Any]:
 
 @cache
 def settle_function(real: type, lane_count: int):
-    """wp.func (facets, motion, record, block, chosen) -> facets of all; 1 where a node is on its way to its foot, else 0.
+    """wp.func (facets, motion, record, block, chosen) -> facets; 1 where a node is on its way to its foot, else 0.
 
     Chosen nodes walk from the middles of their facets to their feet; coordinates are written, facets are not.
     """

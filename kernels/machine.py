@@ -1,4 +1,4 @@
-"""Processor control: a barrier between threads, the treatment of subnormal numbers, loops that stay loops."""
+"""Processor control: a barrier between threads, the treatment of subnormal numbers, what a GPU has in registers."""
 
 import warp as wp
 
@@ -73,3 +73,15 @@ def restore_subnormals(before: wp.array(dtype=wp.int32)):
 def following(index: wp.int32) -> wp.int32:
     """The next index of a loop. A GPU's compiler cannot count such a loop: it would have four copies of its body read
     ahead, and the registers for that are those of the whole kernel."""
+
+
+@wp.func_native("""
+    int result = index;
+#if defined(__CUDA_ARCH__)
+    asm volatile("" : "+r"(result));
+#endif
+    return result;
+""")
+def anew(index: wp.int32) -> wp.int32:
+    """The same index. A GPU's compiler does not know that: what is there is read anew, where it would have been kept in
+    registers since it was read before."""

@@ -21,7 +21,7 @@ from ..lanes import fill, lane_maximum, larger, magnitude, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 from .cell_formulas import ANSWERS, STRAIN_COUNT, CellFormulas, cell_formulas, state_names
 from .energy_cell import CellFunctions, energy_cell
-from .lane_newton import equilibrium_text, found_names, tangent_function
+from .lane_newton import STIFFNESS_ROWS, equilibrium_text, found_names, stiffness_text, tangent_function
 from .law import CellLaw
 
 logger = logging.getLogger(__name__)
@@ -94,9 +94,9 @@ def lane_cell(
 ) -> CellLaw:
     """A cell from the formulas of its energy."""
     n, followed, constants = formulas.unknown_count, tuple(formulas.follow), Constants()
-    equilibrium, tangent_at, slopes, parts = compiled_functions(formulas, constants)
+    equilibrium, stiffness, tangent_at, slopes, parts = compiled_functions(formulas, constants)
     state_of, tangent_of = state_function(n), tangent_function(n, tangent_at)
-    tangent, stable_tangent = tangent_functions(n, equilibrium, tangent_of, state_of)
+    tangent, stable_tangent = tangent_functions(stiffness, tangent_of, state_of)
     return CellLaw(
         name=name,
         parameters=lambda precision: constants_struct(len(constants)),
@@ -120,7 +120,7 @@ def lane_cell(
 
 
 def compiled_functions(formulas: CellFormulas, constants: Constants) -> list[wp.Function]:
-    """Warp functions: the equilibrium, and (p, x) -> a row of lanes per formula.
+    """Warp functions: the equilibrium, the stiffness there, and (p, x) -> a row of lanes per formula.
 
     The latter are those of ``tangent``, of the energy and ``slopes``, and of ``parts``.
     """
@@ -128,11 +128,14 @@ def compiled_functions(formulas: CellFormulas, constants: Constants) -> list[wp.
     read = {name: f"x.data[{row}][i]" for row, name in enumerate(names)}
     groups = (formulas.tangent, [formulas.evaluation["energy"], *formulas.slopes], formulas.parts)
     # all of them first: together they determine the constants
-    solved = [equilibrium_text(formulas, constants, types) for types in ALL_LANE_TYPES]
+    solved, stiff = (
+        [text(formulas, constants, types) for types in ALL_LANE_TYPES] for text in (equilibrium_text, stiffness_text)
+    )
     written = [[lane_loop(group, constants, read, count, "double") for count in LANE_COUNTS] for group in groups]
     Cell = constants_struct(len(constants))
     return [
-        equilibrium_function(solved, Cell, max(formulas.unknown_count, 1), len(found_names(formulas))),
+        solved_function(solved, Cell, max(formulas.unknown_count, 1), len(found_names(formulas))),
+        solved_function(stiff, Cell, max(formulas.unknown_count, 1), len(STIFFNESS_ROWS)),
         *(
             compiled_function(snippets, Cell, len(names), len(group))
             for group, snippets in zip(groups, written, strict=True)
@@ -140,16 +143,16 @@ def compiled_functions(formulas: CellFormulas, constants: Constants) -> list[wp.
     ]
 
 
-def equilibrium_function(written: Sequence[str], Cell: Any, unknown_rows: int, rows: int) -> wp.Function:
-    """Warp function (p, strains, q) -> rows of ``found_names``, with an overload for all kinds of lanes."""
+def solved_function(written: Sequence[str], Cell: Any, unknown_rows: int, rows: int) -> wp.Function:
+    """Warp function (p, strains, q) -> rows, with an overload for all kinds of lanes."""
     for types, snippet in zip(ALL_LANE_TYPES, written, strict=True):
         lanes, kind = types.lanes, (types.lane_count, types.real)
         Unknowns, Rows = (wp.types.matrix((count, kind[0]), kind[1]) for count in (unknown_rows, rows))
 
         @wp.func_native(snippet)
-        def equilibrium(p: Cell, warp_strain: lanes, weft_strain: lanes, shear_angle: lanes, q: Unknowns) -> Rows: ...
+        def solved(p: Cell, warp_strain: lanes, weft_strain: lanes, shear_angle: lanes, q: Unknowns) -> Rows: ...
 
-    return equilibrium
+    return solved
 
 
 def compiled_function(written: Sequence[str], Cell: Any, state_rows: int, rows: int) -> wp.Function:
@@ -260,55 +263,37 @@ def energies_function(parts: wp.Function, state_of: wp.Function, part_count: int
 
 
 def tangent_functions(
-    n: int, equilibrium: wp.Function, tangent_of: Any, state_of: wp.Function
+    stiffness: wp.Function, tangent_of: Any, state_of: wp.Function
 ) -> tuple[wp.Function, wp.Function]:
     """``tangent`` and ``stable_tangent``."""
 
     @wp.func
-    def unknowns_of(x: Any):
-        q = wp.matrix(shape=(wp.static(max(n, 1)), len(x[0])), dtype=real)
-        for k in range(n):
-            q[k] = x[STRAIN_COUNT + k]
-        return q
-
-    @wp.func
-    def as_tangent(c: Any, n1: Any, n2: Any, moment: Any, pressure: Any, t: Any):
-        return type(t)(
-            narrowed(c[0], n1),
-            narrowed(c[1], n1),
-            narrowed(c[2], n1),
-            narrowed(c[3], n1),
-            narrowed(c[4], n1),
-            narrowed(c[5], n1),
-            n1,
-            n2,
-            moment,
-            pressure,
-        )
-
-    @wp.func
     def tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, t: Any):
+        c = tangent_of(p, state_of(strain1, strain2, angle, q))
         zero = fill(strain1, 0.0)
-        return as_tangent(tangent_of(p, state_of(strain1, strain2, angle, q)), zero, zero, zero, zero, t)
+        return type(t)(
+            narrowed(c[0], zero),
+            narrowed(c[1], zero),
+            narrowed(c[2], zero),
+            narrowed(c[3], zero),
+            narrowed(c[4], zero),
+            narrowed(c[5], zero),
+            zero,
+            zero,
+            zero,
+            zero,
+        )
 
     @wp.func
     def stable_tangent(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, state: int, t: Any):
         """State 0: the current one; 1: the same, with slack yarns just pulled taut."""
-        x = state_of(strain1, strain2, angle, q)
+        warp = strain1
+        weft = strain2
         if state == 1:
-            for k in range(2):
-                x[k] = larger(x[k], fill(x[k], 0.0)) + fill(x[k], PULL)
-        found = equilibrium(p, x[0], x[1], x[2], unknowns_of(x))
-        for k in range(n):
-            x[STRAIN_COUNT + k] = found[FIRST_UNKNOWN + k]
-        return as_tangent(
-            tangent_of(p, x),
-            narrowed(found[FORCE], strain1),
-            narrowed(found[FORCE + 1], strain1),
-            narrowed(found[FORCE + 2], strain1),
-            narrowed(found[PRESSURE], strain1),
-            t,
-        )
+            warp = larger(strain1, fill(strain1, 0.0)) + fill(strain1, strain1.dtype(PULL))
+            weft = larger(strain2, fill(strain2, 0.0)) + fill(strain2, strain2.dtype(PULL))
+        c = stiffness(p, warp, weft, angle, q)
+        return type(t)(c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9])
 
     return tangent, stable_tangent
 

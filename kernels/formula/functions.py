@@ -30,8 +30,8 @@ def _arctangent2(real: str) -> str:
 #if defined(__CUDA_ARCH__)
     return ::atan2(y, x);
 #else
-    const {real} right = x < {real}(0.0) ? -x : x;
-    const {real} up = y < {real}(0.0) ? -y : y;
+    const {real} right = wp::abs(x);
+    const {real} up = wp::abs(y);
     const {real} most = up > right ? up : right;
     const {real} least = up > right ? right : up;
     // beyond 22.5 degrees, the angle from 45 degrees

@@ -144,6 +144,8 @@ class Writer:
                 self.functions.add(expression.value)
                 return f"{expression.value}_of({', '.join(self._value(a) for a in arguments)})"
             case "choice":
+                if is_magnitude(expression):
+                    return f"wp::abs({self._value(arguments[2])})"
                 condition, first, second = (self._value(argument) for argument in arguments)
                 return f"{condition} ? {first} : {second}"
             case "comparison":
@@ -191,8 +193,18 @@ def varying_in_order(outputs: Iterable[Expression]) -> list[Expression]:
             found[expression] = None
         else:
             todo.append((expression, True))
-            todo += [(argument, False) for argument in reversed(expression.arguments)]
+            needed = expression.arguments[2:] if is_magnitude(expression) else expression.arguments
+            todo += [(argument, False) for argument in reversed(needed)]
     return list(found)
+
+
+def is_magnitude(expression: Expression) -> bool:
+    """Whether it is a choice that ``Graph.magnitude`` makes: a function of its own needs one instruction, not three."""
+    if expression.kind != "choice":
+        return False
+    condition, first, second = expression.arguments
+    below = condition.kind == "comparison" and condition.value == "<" and condition.arguments[0] is second
+    return below and condition.arguments[1].is_equal(0.0) and first is -second
 
 
 def over_lanes(lines: Iterable[str], lanes: int) -> list[str]:

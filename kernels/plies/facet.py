@@ -260,24 +260,36 @@ def triple(a: Any, b: Any, c: Any):
 
 
 @wp.func
+def first_height(x: Any, d: Any, xi: Any, eta: Any):
+    """Height of a point over (xi, eta), where Newton's method begins."""
+    n = normal_at(x, d, xi, eta)
+    return -dot(patch_at(x, xi, eta), n) / larger(dot(n, n), fill(xi, 1.0e-6))
+
+
+@wp.func
+def nearer_foot(x: Any, d: Any, xi: Any, eta: Any, g: Any):
+    """Coordinates and height after one iteration of Newton's method: see ``find_foot``."""
+    farthest = fill(xi, FARTHEST)
+    n = normal_at(x, d, xi, eta)
+    rest = patch_at(x, xi, eta) + scale(g, n)
+    c1 = offset_along1(x, d, xi, eta, g)
+    c2 = offset_along2(x, d, xi, eta, g)
+    volume = triple(c1, c2, n)
+    inverse = fill(volume, 1.0) / volume
+    new_xi = bounded(xi - inverse * triple(rest, c2, n), farthest)
+    new_eta = bounded(eta - inverse * triple(c1, rest, n), farthest)
+    return new_xi, new_eta, g - inverse * triple(c1, c2, rest)
+
+
+@wp.func
 def find_foot(x: Any, d: Any, xi: Any, eta: Any, iterations: int):
     """Coordinates (xi, eta) and height g with x(xi, eta) + g n(xi, eta) = 0, by Newton's method.
 
     ``x`` is the facet as seen from the point whose foot is sought, and ``d`` the normals at its corners.
     """
-    farthest = fill(xi, FARTHEST)
-    n = normal_at(x, d, xi, eta)
-    g = -dot(patch_at(x, xi, eta), n) / larger(dot(n, n), fill(xi, 1.0e-6))
+    g = first_height(x, d, xi, eta)
     for _ in range(iterations):
-        n = normal_at(x, d, xi, eta)
-        rest = patch_at(x, xi, eta) + scale(g, n)
-        c1 = offset_along1(x, d, xi, eta, g)
-        c2 = offset_along2(x, d, xi, eta, g)
-        volume = triple(c1, c2, n)
-        inverse = fill(volume, 1.0) / volume
-        xi = bounded(xi - inverse * triple(rest, c2, n), farthest)
-        eta = bounded(eta - inverse * triple(c1, rest, n), farthest)
-        g = g - inverse * triple(c1, c2, rest)
+        xi, eta, g = nearer_foot(x, d, xi, eta, g)
     return xi, eta, g
 
 

@@ -10,6 +10,7 @@ import warp as wp
 
 from ..lane_types import lane_types
 from ..lanes import lane_maximum
+from ..machine import anew
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
@@ -17,7 +18,7 @@ from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRo
 from ..stepping.step import fold_works_function
 from .data import LEAST_STRAY, NO_DEPTH, is_missing, listed_struct, record_struct
 from .facet import facets_struct, patch_at, patch_functions
-from .stand import settle_function
+from .stand import settle_function, settling_options
 
 # Plies may move this much farther until the next update than at their largest speeds now.
 SPEED_MARGIN = wp.constant(2.0)
@@ -258,14 +259,16 @@ def new_feet_functions(real: type, lane_count: int):
                     watch.found[node] = 1
                 chosen[i] = real(wp.max(watch.found[node], wakes))
         if lane_maximum(chosen) > real(0.0):
-            before = record.facet[block]
-            under_way = settle(facets, motion, record, block, chosen)
+            facet, under_way = settle(facets, motion, record, block, chosen)
+            here = anew(block)
+            travel = record.rows[PlyRow.travel, here]
             for i in range(lane_count):
                 node = block * lane_count + i
-                if record.facet[block][i] != before[i]:
+                if facet[i] != record.facet[here][i]:
                     watch.found[node] = 1
                 if watch.found[node] == 1:
                     travel[i] = search.skin * under_way[i]
+            record.facet[here] = facet
             record.rows[PlyRow.travel, block] = travel
 
     return take_own_feet, settle_feet
@@ -350,7 +353,7 @@ def seek_feet_kernel(real: type, lane_count: int):
         for i in range(lane_count):
             watch.foot[block * lane_count + i] = vec3(feet[0, i], feet[1, i], feet[2, i])
 
-    @wp.kernel(module="unique", enable_backward=False)
+    @wp.kernel(module="unique", enable_backward=False, **settling_options(real))
     def seek_feet(
         # In
         first_block: wp.int32,

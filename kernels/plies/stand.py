@@ -7,6 +7,7 @@ import warp as wp
 
 from ..lane_types import lane_types
 from ..lanes import cross, dot, fill, magnitude, scale, square_root, where_positive
+from ..machine import anew, following
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, MotionRow, PlyRow
@@ -14,7 +15,9 @@ from .data import NO_DEPTH, contact_law_struct, record_struct
 from .facet import (
     facets_struct,
     find_foot,
+    first_height,
     inside_function,
+    nearer_foot,
     normal_at,
     offset_along1,
     offset_along2,
@@ -173,14 +176,23 @@ def stand_function(real: type, lane_count: int):
     return stand_on
 
 
+def settling_options(real: type) -> dict[str, Any]:
+    """Options of a kernel that settles nodes, for what it takes of a GPU's registers.
+
+    In a loop over nodes, all that one of them may leave undefined would be kept for the next. In double precision the
+    compiler would read so far ahead that it takes 122 registers; with 106 it has nothing on the stack, either.
+    """
+    return {"grid_stride": False, "cuda_max_registers": None if real is wp.float32 else 106}
+
+
 @cache
 def settle_function(real: type, lane_count: int):
-    """wp.func (facets, motion, record, block, chosen) -> 1 where a chosen node is still on its way to its foot, else 0.
+    """wp.func (facets, motion, record, block, chosen) -> facets; 1 where a node is on its way to its foot, else 0.
 
-    They walk from the middles of their facets; facets and coordinates are written.
+    Chosen nodes walk from the middles of their facets to their feet; coordinates are written, facets are not.
     """
-    lanes = lane_types(real, lane_count).lanes
-    Facets, Record = facets_struct(real), record_struct(real, lane_count)
+    types, Facets, Record = lane_types(real, lane_count), facets_struct(real), record_struct(real, lane_count)
+    lanes, indices = types.lanes, types.indices
     _, positions, normals, _ = patch_functions(real, lane_count)
     walk = walk_function(real, lane_count)
 
@@ -191,29 +203,52 @@ def settle_function(real: type, lane_count: int):
         store_record4(record.rows, PLY_RECORD_LENGTH, row, block, vector_of(old), value)
 
     @wp.func
+    def all_anew(facet: indices):
+        result = indices()
+        for i in range(lane_count):
+            result[i] = anew(facet[i])
+        return result
+
+    @wp.func
+    def approach(
+        facets: Facets, motion: wp.array2d(dtype=lanes), block: int, facet: indices, old_xi: lanes, old_eta: lanes
+    ):
+        """Feet on these facets, as ``find_foot`` finds them; a GPU does not keep facets in registers meanwhile."""
+        xi = old_xi
+        eta = old_eta
+        g = lanes()
+        iteration = wp.int32(0)
+        while iteration < SETTLING_ITERATIONS:
+            here = anew(block)
+            below = all_anew(facet)
+            position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, here)
+            x = positions(facets, below, position, record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, here))
+            d = normals(facets, below)
+            if iteration == 0:
+                g = first_height(x, d, xi, eta)
+            xi, eta, g = nearer_foot(x, d, xi, eta, g)
+            iteration = following(iteration)
+        return xi, eta
+
+    @wp.func
     def settle(facets: Facets, motion: wp.array2d(dtype=lanes), record: Record, block: int, chosen: lanes):
-        position = record3(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
-        rest = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
         facet = record.facet[block]
-        before = record.facet[block]
+        before = facet
         xi = lanes()
         eta = lanes()
         left = wp.int32(SETTLING_WALKS)
         while left > 0:
             before = facet
-            x = positions(facets, facet, position, rest)
-            d = normals(facets, facet)
-            near_xi, near_eta, _g = find_foot(x, d, xi, eta, SETTLING_ITERATIONS)
+            near_xi, near_eta = approach(facets, motion, block, before, xi, eta)
             near_xi = where_positive(chosen, near_xi, lanes())
             near_eta = where_positive(chosen, near_eta, lanes())
             facet, xi, eta, moved = walk(facets, before, near_xi, near_eta)
             left = wp.where(moved > 0, left - 1, 0)
         write(record, PlyRow.force, block, chosen, xi)
         write(record, PlyRow.drag, block, chosen, eta)
-        record.facet[block] = facet
         under_way = lanes()
         for i in range(lane_count):
             under_way[i] = wp.where(facet[i] != before[i], real(1.0), real(0.0))
-        return under_way
+        return facet, under_way
 
     return settle

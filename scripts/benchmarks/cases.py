@@ -36,11 +36,11 @@ def _ready(made: Any) -> Any:
     return made if isinstance(made, Simulation) else Simulation(made)
 
 
-def _patch(side: int, at_random: bool = False) -> Callable[..., Any]:
+def _patch(side: int, at_random: bool = False, **numbering: Any) -> Callable[..., Any]:
     """A free square of ``side`` x ``side`` elements, stretched, sheared and thrown, without tools.
 
     Elements are 5 mm large, smaller where the sheet would be larger than is usual. Nodes and elements are numbered row
-    by row, or ``at_random``.
+    by row, or ``at_random``; ``numbering`` is that of ``Blank.from_mesh``.
     """
 
     def blank():
@@ -54,7 +54,7 @@ def _patch(side: int, at_random: bool = False) -> Callable[..., Any]:
         order = random.permutation(rows.node_count)
         number = np.empty_like(order)
         number[order] = np.arange(len(order))
-        return Blank.from_mesh(rows.node_position[order], number[random.permutation(rows.quads)])
+        return Blank.from_mesh(rows.node_position[order], number[random.permutation(rows.quads)], **numbering)
 
     return _thrown(blank)
 
@@ -106,11 +106,13 @@ CASES: dict[str, Callable[..., Any]] = {
     "patch_10m": _patch(3162),
     "patch_10k_at_random": _patch(100, at_random=True),
     "patch_100k_at_random": _patch(316, at_random=True),
+    "patch_10k_put_in_order": _patch(100, at_random=True, numbering="neighbouring"),
+    "patch_100k_put_in_order": _patch(316, at_random=True, numbering="neighbouring"),
     "disc_11k": _disc(0.3),
     "disc_45k": _disc(0.6),
 }
 # These run only by name: contact between nodes is no case of earlier measurements, 5,000 elements are for a GPU, the
-# largest need 3 and 30 GB and several minutes, and the last four are about the order of a mesh.
+# largest need 3 and 30 GB and several minutes, and the last six are about the order of a mesh.
 BY_NAME = (
     "double_dome_5mm_surface",
     "patch_5k",
@@ -118,6 +120,8 @@ BY_NAME = (
     "patch_10m",
     "patch_10k_at_random",
     "patch_100k_at_random",
+    "patch_10k_put_in_order",
+    "patch_100k_put_in_order",
     "disc_11k",
     "disc_45k",
 )

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..engine.setup import Setup
 from ..errors import InputError
+from ..meshes.numbering import scatter_told
 from ..process.motions.paths import PathMotion
 from ..process.strokes import Motion
 from ..ranges import ACCEPTING
@@ -111,6 +112,8 @@ def _plies(setup: Setup, start: Start) -> Iterator[Row]:
             f"{sheet.blank.element_count:,} elements of {1e3 * model.geometry.largest_size:.3g} mm, "
             f"{1e4 * area:.4g} cm2",
         )
+        if told := scatter_told(sheet.blank.quads):
+            yield Row("plies", "numbering", told.partition(": ")[0], NOTE, told.partition(": ")[2])
         yield Row("plies", "fabric", f"{1e3 * fabric.thickness:.3g} mm, {1e3 * fabric.areal_density * area:.4g} g")
 
 

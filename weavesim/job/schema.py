@@ -8,6 +8,7 @@ from pydantic import Field, field_validator, model_validator
 
 from ..checks import Finite, NotNegative, Positive
 from ..device import LARGEST_THREAD_COUNT, Precision
+from ..meshes.numbering import Numbering
 from ..names import FileName, Label
 from ..ranges import Quantity
 from ..sheet.lay_up_code import angles_of
@@ -51,6 +52,11 @@ class PlyTable(JobTable):
     unit: FileUnit | None = Field(
         default=None, description="unit of the outline's file, such as mm; a DXF drawing may say its own"
     )
+    numbering: Numbering | None = Field(
+        default=None,
+        description="of a mesh of quadrilaterals: whether nodes and elements stay in its order (kept, the default), or "
+        "are put in one in which neighbours follow each other, up to twice as fast; results have its numbers as labels",
+    )
     holes: tuple[tuple[Point, ...], ...] = Field(default=(), description="corners of each hole, in order")
     slits: tuple[tuple[Point, ...], ...] = Field(default=(), description="points of each slit, in order")
     centre: Point = Field(default=(0.0, 0.0), description="where the origin of the outline lies")
@@ -80,9 +86,11 @@ class PlyTable(JobTable):
     def _has_one_outline(self) -> Self:
         one_of(self, OUTLINES)
         if self.outline is None:
-            without(self, ("layer", "unit"), "a file as outline")
+            without(self, ("layer", "unit", "numbering"), "a file as outline")
         elif not self.outline.lower().endswith(".dxf"):
             without(self, ("layer",), "a DXF drawing as outline")
+        else:
+            without(self, ("numbering",), "a mesh as outline")
         return self
 
 

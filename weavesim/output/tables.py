@@ -48,10 +48,13 @@ def write_draw_in(path: str | Path, sheet: FormedSheet) -> None:
     """Write the free border of the computed part in order: flat and formed positions, and draw-in of each node.
 
     The draw-in is the in-plan displacement of the node against the outward normal of the flat border (at a corner,
-    against the mean of the two sides' normals).
+    against the mean of the two sides' normals). Nodes of a user's mesh have their number there too.
     """
     node = sheet.border.node
     lengths = 1.0e3 * np.column_stack([sheet.blank.material_coordinates[node], sheet.position[node]])
     values = np.column_stack([lengths, sheet.border_draw_in_mm])
     header = ["node", "flat_x_mm", "flat_y_mm", "formed_x_mm", "formed_y_mm", "formed_z_mm", "draw_in_mm"]
-    write_table(path, header, ([n, *row] for n, row in zip(node.tolist(), values.tolist(), strict=True)))
+    names = node[:, None]
+    if (numbers := sheet.blank.node_number) is not None:
+        names, header = np.column_stack([node, numbers[node]]), ["node", "node_number", *header[1:]]
+    write_table(path, header, ([*n, *row] for n, row in zip(names.tolist(), values.tolist(), strict=True)))

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InputError
+from ..meshes.numbering import each_once
 from ..ranges import QUANTITIES
 from .topology import doubled_normals, part_of_nodes
+
+if TYPE_CHECKING:
+    from .blank import Blank
 
 _LARGEST_EXTENT_M = QUANTITIES["length"].legal[1]
 # Nodes closer than this share of the shortest edge coincide.
 _COINCIDENT = 1.0e-3
 # Elements meet at a place in fours; this many nodes there are a mistake.
 _MOST_AT_ONE_PLACE = 64
+# Allowed deviation from length one, and from the plane of the element; smallest sine of the angle between the yarns.
+_UNIT_TOLERANCE = 1.0e-6
+_PLANE_TOLERANCE = 1.0e-3
+_LEAST_YARN_SINE = 1.0e-3
 # More do not fit into the memory of any device [elements].
 LARGEST_ELEMENT_COUNT = 2.0e7
 
@@ -48,6 +56,12 @@ class Names:
     nodes: np.ndarray | None = None
     elements: np.ndarray | None = None
     elements_are: str = "element"
+
+    def of(self, nodes: np.ndarray, elements: np.ndarray) -> Names:
+        """Those of some rows of nodes and elements; rows that have no numbers get them, counted from 1."""
+        of_nodes = nodes + 1 if self.nodes is None else self.nodes[nodes]
+        of_elements = elements + 1 if self.elements is None else self.elements[elements]
+        return Names(self.mesh, of_nodes, of_elements, self.elements_are)
 
     def node(self, row: Any) -> int:
         return int(row if self.nodes is None else self.nodes[row])
@@ -242,6 +256,68 @@ def faces_down(position: np.ndarray, quads: np.ndarray) -> bool:
     """Whether a sheet as a whole is wound clockwise as seen from above."""
     normal = doubled_normals(position, quads)
     return bool(normal[:, 2].sum() < -0.5 * np.linalg.norm(normal, axis=1).sum())
+
+
+def number_array(name: str, value: Any) -> np.ndarray:
+    """``value`` in double precision; an InputError unless it is an array of numbers."""
+    try:
+        given = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise InputError(f"{name}: an array of numbers is needed, not of {given.dtype}")
+    return given.astype(np.float64, copy=False)
+
+
+def whole_numbers(quads: Any) -> np.ndarray:
+    """Corner nodes of elements as int32; an InputError unless they are whole numbers."""
+    given = number_array("blank mesh: elements", quads)
+    wrong = ~((np.abs(given) < 2.0**31) & (given == np.rint(given)))
+    if wrong.any():
+        raise InputError(f"blank mesh: elements name node {given[wrong][0]:g}; whole numbers are needed")
+    return given.astype(np.int32)
+
+
+def check_rows(name: str, rows: np.ndarray, good: np.ndarray, needed: str) -> None:
+    """Raises an InputError that names the first row which is not good, and what is needed."""
+    if not good.all():
+        row = int(np.argmin(good))
+        raise InputError(f"{name}: entry {row} is {rows[row].tolist()}; {needed}")
+
+
+def check_directions(blank: Blank) -> None:
+    """Yarn directions span the planes of their elements, and all directions have length one.
+
+    Raises:
+        InputError: they do not.
+    """
+    for name in ("warp_direction", "weft_direction", "initial_director"):
+        rows = getattr(blank, name)
+        # not <= rather than >: NaN is refused too
+        good = np.abs(np.linalg.norm(rows, axis=1) - 1.0) <= _UNIT_TOLERANCE
+        check_rows(name, rows, good, "a direction of length 1 is needed")
+    normal = doubled_normals(blank.node_position, blank.quads)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    warp, weft = blank.warp_direction, blank.weft_direction
+    for name, yarn in (("warp_direction", warp), ("weft_direction", weft)):
+        good = np.abs(np.einsum("ij,ij->i", yarn, normal)) <= _PLANE_TOLERANCE
+        check_rows(name, yarn, good, "a direction in the plane of the element is needed")
+    good = np.linalg.norm(np.cross(warp, weft), axis=1) >= _LEAST_YARN_SINE
+    check_rows("weft_direction", weft, good, "a direction that is not parallel to the warp is needed")
+
+
+def check_numbers(name: str, numbers: np.ndarray | None, count: int) -> None:
+    """Numbers of a user's mesh: one for each row, each once.
+
+    Raises:
+        ValueError: they are not.
+    """
+    if numbers is None:
+        return
+    if numbers.shape != (count,):
+        raise ValueError(f"{name}: shape {numbers.shape}, but ({count},) is needed")
+    if not each_once(numbers):
+        raise ValueError(f"{name}: whole numbers from 1 on are needed, each once")
 
 
 def _shortest_edge(position: np.ndarray, quads: np.ndarray) -> float:

@@ -99,8 +99,9 @@ class Sheet(Parameters):
         ratio = area / formed
         if not ((ratio > SMALLEST_FLAT_AREA) & (ratio < 1.0 / SMALLEST_FLAT_AREA)).all():
             element = int(np.argmax(np.abs(np.log(np.maximum(ratio, 1e-12)))))
+            name = self.blank.names.element(element)
             raise ValueError(
-                f"self_contact: element {element} has {ratio[element]:.3g} times its area in material_coordinates, the "
+                f"self_contact: element {name} has {ratio[element]:.3g} times its area in material_coordinates, the "
                 "flat blank, on which neighbours are told from contacts; allowed are "
                 f"{SMALLEST_FLAT_AREA:g} to {1.0 / SMALLEST_FLAT_AREA:g}: give the blank flat coordinates of its own"
             )

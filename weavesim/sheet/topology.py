@@ -56,6 +56,36 @@ def flat_areas(blank: Blank) -> np.ndarray:
     return 0.5 * np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
 
 
+def longest_outline(quads: np.ndarray, node_count: int) -> np.ndarray:
+    """Nodes of the longest closed outline of elements (m, 4), in order, counter-clockwise, (k,)."""
+    edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)])
+    first, second = edges.T.astype(np.int64)
+    either_way = np.minimum(first, second) * node_count + np.maximum(first, second)
+    _, inverse, count = np.unique(either_way, return_inverse=True, return_counts=True)
+    following = dict(edges[count[inverse] == 1].tolist())
+    loops = []
+    while following:
+        start = next(reversed(following))
+        loop, node = [start], following.pop(start)
+        while node != start:
+            loop.append(node)
+            node = following.pop(node)
+        loops.append(loop)
+    return np.array(max(loops, key=len), dtype=np.int32)
+
+
+def unit_normals(position: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals of the nodes, (node_count, 3), means of those of their elements by area, and of the elements."""
+    normal = doubled_normals(position, quads)
+    director = np.zeros_like(position)
+    for corner in range(4):
+        np.add.at(director, quads[:, corner], normal)
+    director[np.linalg.norm(director, axis=1) == 0.0] = (0.0, 0.0, 1.0)
+    director /= np.linalg.norm(director, axis=1, keepdims=True)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return director, normal
+
+
 def at_corners(values: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Vectors of the nodes (node_count, 3) at the corners of all elements, (3, 4, element_count).
 

@@ -205,6 +205,41 @@ def test_a_mesh_of_quadrilaterals_is_used_as_it_is(tmp_path):
     assert np.allclose(blank.warp_direction[:, 0], np.cos(np.pi / 6))
 
 
+def test_its_nodes_and_elements_may_be_put_in_order(tmp_path):
+    nodes = np.random.default_rng(0).permutation(9)
+    place = np.argsort(nodes)
+    points = [(x, y) for x in (0, 50, 100) for y in (0, 40, 80)]
+    lines = [f"{301 + k}, {points[nodes[k]][0]}., {points[nodes[k]][1]}., 0.\n" for k in range(9)]
+    quads = np.array([(0, 3, 4, 1), (3, 6, 7, 4), (1, 4, 5, 2), (4, 7, 8, 5)])
+    rows = [f"{77 - k}, {', '.join(str(301 + place[n]) for n in quad)}\n" for k, quad in enumerate(quads)]
+    (tmp_path / "blank.inp").write_text("*NODE\n" + "".join(lines) + "*ELEMENT, TYPE=S4\n" + "".join(rows))
+    for numbering in ("kept", "neighbouring"):
+        blank = job_with(
+            tmp_path, "blank.inp", f'unit = "mm"\nnumbering = "{numbering}"\ncentre = ["-50 mm", "-40 mm"]'
+        )
+        assert (np.diff(blank.node_number) > 0).all() == (numbering == "kept")
+        flat = 1e-3 * np.array(points)[nodes[blank.node_number - 301]] - (0.05, 0.04)
+        assert np.allclose(blank.node_position[:, :2], flat)
+        assert np.array_equal(nodes[blank.node_number[blank.quads] - 301], quads[77 - blank.element_number])
+
+
+@pytest.mark.parametrize("value", ['"along"', "3"])
+def test_another_numbering_is_refused(tmp_path, value):
+    (tmp_path / "blank.obj").write_text(OBJ + "f 1 4 5 2\n")
+    with pytest.raises(InputError, match="numbering = .*'kept' or 'neighbouring'"):
+        job_with(tmp_path, "blank.obj", f'unit = "mm"\nnumbering = {value}')
+
+
+def test_numbering_is_of_a_mesh_of_quadrilaterals(tmp_path):
+    (tmp_path / "blank.obj").write_text(OBJ + "f 1 7 9\nf 1 9 3\n")
+    with pytest.raises(InputError, match="numbering: blank.obj has triangles"):
+        job_with(tmp_path, "blank.obj", 'unit = "mm"\nnumbering = "neighbouring"')
+    with pytest.raises(InputError, match="numbering.*a mesh as outline"):
+        job_with(tmp_path, "blank.dxf", 'numbering = "kept"')
+    with pytest.raises(InputError, match="numbering.*a file as outline"):
+        setup_of(read_job(write_tray(tmp_path, TRAY), ["ply.numbering=neighbouring"]))
+
+
 def test_a_mesh_of_triangles_gives_its_outline(tmp_path):
     (tmp_path / "blank.obj").write_text(OBJ + "f 1 7 9\nf 1 9 3\n")
     blank = job_with(tmp_path, "blank.obj", 'unit = "mm"')

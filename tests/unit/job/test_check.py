@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from tests.support.jobs import TRAY, changed, tray_surface, write_stl, write_tray
+from tests.support.mesh_files import obj_text
 from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
 from weavesim.job.check import check_setup, table_of
 from weavesim.job.read import read_job
+from weavesim.sheet.blank import Blank
 
 pytestmark = pytest.mark.usefixtures("tools_sampled_once")
 
@@ -43,6 +45,26 @@ def test_the_error_of_the_distance_is_told_for_every_mesh(tray):
     checked, _ = tray
     assert set(checked.errors) == {"die", "punch", "ring"}
     assert all(0.0 <= usual <= largest < 1e-3 for usual, largest in checked.errors.values())
+
+
+def test_a_mesh_in_no_order_is_noted_with_its_remedy(tmp_path):
+    flat = Blank.rectangle((0.0, 0.0), (0.35, 0.35), 0.005)
+    random = np.random.default_rng(0)
+    order = random.permutation(flat.node_count)
+    quads = random.permutation(np.argsort(order)[flat.quads])
+    (tmp_path / "blank.obj").write_text(obj_text(flat.node_position[order], quads))
+    found = {}
+    for numbering in ("kept", "neighbouring"):
+        text = (
+            f'[[ply]]\nfabric = "glass-polypropylene"\noutline = "blank.obj"\nunit = "m"\nnumbering = "{numbering}"\n'
+            'mesh_size = "5 mm"\nheight = 0\n[process]\nduration = "1 ms"\n'
+        )
+        (tmp_path / "job.toml").write_text(text)
+        checked = check_setup(setup_of(read_job(tmp_path / "job.toml")))
+        found[numbering] = [row for row in checked.rows if row.what == "numbering"]
+    (row,) = found["kept"]
+    assert row.judgement == "note" and 'numbering = "neighbouring" mends that' in row.advice
+    assert found["neighbouring"] == []
 
 
 def test_a_run_without_end_is_to_be_looked_at(tmp_path):

@@ -20,18 +20,16 @@ from weavesim.kernels.stepping.tools import tool_motion_kernel
 LIMITS = {
     ("element_forces", "float32"): (130, 0),
     ("element_forces", "float64"): (255, 16),
-    ("node_motion", "float32"): (141, 0),
-    ("node_motion", "float64"): (236, 0),
+    ("node_motion", "float32"): (125, 0),
+    ("node_motion", "float64"): (200, 0),
     ("element_frequencies", "float32"): (122, 0),
     ("element_frequencies", "float64"): (255, 0),
     # of the double dome, which meets its tools between nodes, and of the diaphragms
-    ("surface_contact", "float32"): (200, 0),
-    ("surface_contact", "float64"): (255, 344),
+    ("surface_contact", "float32"): (168, 0),
+    ("surface_contact", "float64"): (255, 104),
     ("meet_plies", "float32"): (128, 0),
     ("meet_plies", "float64"): (238, 0),
-    # what it needs now, which is more than it did: see below
-    ("seek_feet", "float32"): (90, 0),
-    ("seek_feet", "float64"): (152, 0),
+    ("seek_feet", "float64"): (106, 0),
 }
 SMALL = (80, 0)
 # Of a scene that needs more in double precision: plies under pressure.
@@ -41,18 +39,18 @@ SCENE_LIMITS = {
 # The same of kernels that tools ask for beyond the scenes. Each of the four searches of a mesh's triangles has 128
 # bytes of stack for what is left to be visited: nodes spill nothing in single precision.
 TOOL_LIMITS = {
-    ("mesh", "node_motion", "float32"): (218, 512),
-    ("mesh", "surface_contact", "float32"): (255, 560),
-    ("carried", "node_motion", "float32"): (167, 0),
-    ("carried", "surface_contact", "float32"): (235, 0),
-    ("carried mesh", "node_motion", "float32"): (248, 512),
-    ("carried mesh", "surface_contact", "float32"): (255, 672),
-    ("mesh", "node_motion", "float64"): (255, 640),
-    ("mesh", "surface_contact", "float64"): (255, 1056),
-    ("carried", "node_motion", "float64"): (255, 24),
-    ("carried", "surface_contact", "float64"): (255, 456),
-    ("carried mesh", "node_motion", "float64"): (255, 832),
-    ("carried mesh", "surface_contact", "float64"): (255, 1248),
+    ("mesh", "node_motion", "float32"): (190, 512),
+    ("mesh", "surface_contact", "float32"): (243, 512),
+    ("carried", "node_motion", "float32"): (153, 0),
+    ("carried", "surface_contact", "float32"): (213, 0),
+    ("carried mesh", "node_motion", "float32"): (220, 512),
+    ("carried mesh", "surface_contact", "float32"): (255, 576),
+    ("mesh", "node_motion", "float64"): (243, 512),
+    ("mesh", "surface_contact", "float64"): (255, 848),
+    ("carried", "node_motion", "float64"): (208, 0),
+    ("carried", "surface_contact", "float64"): (255, 232),
+    ("carried mesh", "node_motion", "float64"): (255, 608),
+    ("carried mesh", "surface_contact", "float64"): (255, 1024),
     ("carried", "carried_motion", "float32"): (200, 40),
     ("carried", "carried_motion", "float64"): (200, 40),
     # where a stroke has a largest force
@@ -122,13 +120,11 @@ def test_every_kernel_of_every_scene(scene, precision, architecture):
             assert needs.registers <= registers and needs.stack <= stack, name
 
 
-@pytest.mark.verification
-@pytest.mark.xfail(strict=True, reason="since decision 65 it looks up every node that found a facet: 90 and 152")
-@pytest.mark.parametrize("architecture", [80, 90])
 @pytest.mark.parametrize(("real", "registers"), [(wp.float32, 80), (wp.float64, 106)])
-def test_the_search_for_feet_needs_no_more_than_it_did(real, registers, architecture):
+def test_the_search_for_feet_needs_no_more_than_it_did(real, registers):
     initialise()
-    assert resources(seek_feet_kernel(real, 1), architecture).registers <= registers
+    needs = resources(seek_feet_kernel(real, 1), 90)
+    assert needs.registers <= registers and needs.stack == 0
 
 
 def test_nodes_that_meet_carried_tools_need_no_more_than_they_did():

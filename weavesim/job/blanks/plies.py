@@ -121,15 +121,25 @@ def _from_file(ply: PlyTable, path: Path) -> PlyOutline:
     if all(len(cells.nodes) == 0 or cells.kind == TRIANGLE for cells in mesh.cells):
         faces, _ = mesh.triangles()
         mesh.check_unit(scale)
+        if ply.numbering is not None:
+            raise InputError(
+                f"numbering: {path.name} has triangles, which give an outline that is meshed; leave it out"
+            )
         return PlyOutline(_placed(border_of(mesh, faces, scale), ply))
     if ply.holes or ply.slits:
         raise InputError("holes and slits: a mesh of quadrilaterals has its own; leave them out")
-    blank = Blank.from_file(path, unit_scale=scale, yarn_angle=ply.angle)
+    blank = Blank.from_file(path, unit_scale=scale, yarn_angle=ply.angle, numbering=ply.numbering or "kept")
     position = blank.node_position.copy()
     position[:, :2] = placed(position[:, :2], ply)
-    moved = Blank.from_mesh(position, blank.quads, yarn_angle=ply.angle, merge_nodes=0.0)
     notes = (*blank.source_notes, f"{mesh.name}: its own elements are used")
-    return PlyOutline(Loops(position[:, :2]), moved.model_copy(update={"source_notes": notes}))
+    return PlyOutline(Loops(position[:, :2]), _moved(blank, position, ply, notes))
+
+
+def _moved(blank: Blank, position: np.ndarray, ply: PlyTable, notes: tuple[str, ...]) -> Blank:
+    """A blank of the same mesh with its nodes at ``position``, its yarns at the angle of the ply."""
+    moved = Blank.from_mesh(position, blank.quads, yarn_angle=ply.angle, merge_nodes=0.0)
+    kept = {"node_number": blank.node_number, "element_number": blank.element_number}
+    return moved.model_copy(update={**kept, "source_notes": notes})
 
 
 def _placed(loops: Loops, ply: PlyTable) -> Loops:
@@ -188,9 +198,7 @@ def _blank(ply: PlyTable, outline: PlyOutline, height: float) -> Blank:
         position = outline.mesh.node_position.copy()
         is_flat = np.ptp(position[:, 2]) <= 1e-9 * np.ptp(position)
         position[:, 2] = height if is_flat else position[:, 2] + height
-        notes = {"source_notes": outline.mesh.source_notes}
-        blank = Blank.from_mesh(position, outline.mesh.quads, yarn_angle=ply.angle, merge_nodes=0.0)
-        return blank.model_copy(update=notes)
+        return _moved(outline.mesh, position, ply, outline.mesh.source_notes)
     loops = outline.loops
     whole = not loops.holes and not loops.slits
     straight = whole and ply.rectangle is not None and ply.turn % 90.0 == 0.0

@@ -23,25 +23,36 @@ LARGEST_TILT_DEG = 60.0
 
 
 def own_parts(run: StoredRun, *, whole: bool = False, layers_per_ply: int = 2) -> tuple[Part, ...]:
-    """Each sheet on its own mesh, numbered one after the other.
+    """Each sheet on its own mesh, with the numbers of the mesh that its user gave, else counted from 1.
+
+    Where a sheet has a number that one before it has, all of its numbers go on behind the largest so far.
 
     Args:
         run: whose end it is.
         whole: with the mirrored copies of a sheet that is cut at planes of symmetry.
         layers_per_ply: see ``Part``.
     """
-    parts, nodes, elements = [], 0, 0
+    parts: list[Part] = []
     for sheet in run.sheets:
         mesh, ply = _own_ply(sheet, whole)
+        nodes = _first_free([part.mesh.node_labels for part in parts], mesh.node_labels)
+        elements = _first_free([part.mesh.labels for part in parts], mesh.labels)
         mesh = ShellMesh(
             mesh.nodes, mesh.node_labels + nodes, tuple(replace(c, labels=c.labels + elements) for c in mesh.cells)
         )
-        nodes, elements = nodes + len(mesh.nodes), elements + mesh.element_count
         notes: tuple[str, ...] = ()
         if sheet.symmetry.planes and not whole:
             notes = (f"sheet {sheet.name}: the computed part only, cut at {_planes(sheet)}; --whole adds the rest",)
+        if (nodes or elements) and (sheet.blank.node_number is not None or sheet.blank.element_number is not None):
+            notes += (f"sheet {sheet.name}: numbers of its mesh plus {nodes} (nodes) and {elements} (elements)",)
         parts.append(Part(part_name(sheet.name), mesh, (ply,), layers_per_ply, notes))
     return tuple(parts)
+
+
+def _first_free(used: list[np.ndarray], own: np.ndarray) -> int:
+    """What is added to numbers so that none is used twice; 0 if none is."""
+    so_far = np.concatenate(used) if used else np.zeros(0, dtype=int)
+    return int(so_far.max()) if np.isin(own, so_far).any() else 0
 
 
 def part_name(name: str) -> str:
@@ -68,10 +79,14 @@ def _own_ply(sheet: StoredSheet, whole: bool) -> tuple[ShellMesh, Ply]:
         nodes.append(sheet.position * mirror)
         directions.append([yarn * mirror for yarn in yarns])
     points, corners = np.concatenate(nodes), np.concatenate(quads)
+    kept = np.arange(len(points))
     if len(copies) > 1:
-        points, corners = _joined(sheet, points, corners, copies)
-    cells = Cells("quad", corners, np.arange(1, len(corners) + 1))
-    mesh = ShellMesh(points, np.arange(1, len(points) + 1), (cells,))
+        kept, corners = _joined(sheet, points, corners, copies)
+    blank, points = sheet.blank, points[kept]
+    labels = np.arange(1, len(points) + 1)
+    if blank.node_number is not None:
+        labels = _of_copies(blank.node_number, blank.node_count * len(copies), copies)[kept]
+    mesh = ShellMesh(points, labels, (Cells("quad", corners, _of_copies(blank.element_number, len(corners), copies)),))
     warp, weft = (np.concatenate([pair[k] for pair in directions]) for k in (0, 1))
     names = sheet.values if not whole else [n for n, v in sheet.values.items() if v.values.ndim == 1]
     left_out = ("warp_direction", "weft_direction", "warp_angle_deg", "weft_angle_deg")
@@ -84,10 +99,17 @@ def _own_ply(sheet: StoredSheet, whole: bool) -> tuple[ShellMesh, Ply]:
     return mesh, Ply(sheet.name, sheet.fabric, warp, weft, thickness, sheet.thickness, values)
 
 
+def _of_copies(numbers: np.ndarray | None, count: int, copies: tuple[tuple[int, int], ...]) -> np.ndarray:
+    """Numbers of what all copies have, (count,): those of the first, then likewise behind the largest so far."""
+    if numbers is None:
+        return np.arange(1, count + 1)
+    return np.concatenate([numbers + k * int(numbers.max()) for k in range(len(copies))])
+
+
 def _joined(
     sheet: StoredSheet, points: np.ndarray, corners: np.ndarray, copies: tuple[tuple[int, int], ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Copies that share the nodes on the planes of symmetry."""
+    """Nodes that stay, (n,), and corners, where copies share the nodes on the planes of symmetry."""
     count, own = sheet.blank.node_count, np.arange(len(points))
     held = {axis: on_plane(sheet.blank, plane) for axis, plane in enumerate("xy") if plane in sheet.symmetry.planes}
     place = {factors: k for k, factors in enumerate(copies)}
@@ -97,7 +119,7 @@ def _joined(
             x, y = (1 if axis in held and held[axis][node] else factors[axis] for axis in (0, 1))
             own[k * count + node] = place[x, y] * count + node
     kept, corners = np.unique(own[corners], return_inverse=True)
-    return points[kept], corners.reshape(-1, 4)
+    return kept, corners.reshape(-1, 4)
 
 
 @dataclass(frozen=True, eq=False)

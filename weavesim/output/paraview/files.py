@@ -14,7 +14,7 @@ import numpy as np
 
 from ..files import replacing
 
-_VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "uint8": "UInt8"}
+_VTK_TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "int64": "Int64", "uint8": "UInt8"}
 _VTK_CELLS = {3: 5, 4: 9}
 _BYTE_ORDER = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
 
@@ -78,7 +78,7 @@ class Grid:
         Args:
             path: of the file.
             points: (node_count, 3).
-            point_data, cell_data: by name, (count,) or (count, component_count); float32, float64, int32 or uint8.
+            point_data, cell_data: by name, (count,) or (count, component_count); one of ``_VTK_TYPES``.
             run_id: goes into a comment, which every reader of XML skips.
         """
         sections: Sections = (

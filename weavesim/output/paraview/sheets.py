@@ -73,6 +73,10 @@ class SheetFiles:
         flat = self._symmetry.mirrored(blank.node_position) if whole else blank.node_position
         points: dict[str, np.ndarray] = {"flat_coordinates_m": flat.astype(real)}
         cells: dict[str, np.ndarray] = {}
+        if blank.node_number is not None:
+            points["node_number"] = np.tile(blank.node_number, len(copies))
+        if blank.element_number is not None:
+            cells["element_number"] = np.tile(blank.element_number, len(copies))
         if whole and len(copies) > 1:
             cells["mirrored"] = np.repeat(np.arange(len(copies)) > 0, blank.element_count).astype(np.uint8)
         if self._several:

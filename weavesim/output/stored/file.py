@@ -48,6 +48,8 @@ _DAMAGE = (
     OSError, KeyError, ValueError, TypeError, AttributeError, RuntimeError, IndexError, OverflowError, MemoryError,
 )  # fmt: skip
 _REFERENCE = ("node_position", "material_coordinates", "initial_director", "quads", "warp_direction", "weft_direction")
+# Of the mesh of a user, where it has some.
+_NUMBERS = ("node_number", "element_number")
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +178,9 @@ def _write(file: Any, info: RunInfo, frame: Frame, outcome: str) -> None:
         )  # fmt: skip
         for name in _REFERENCE:
             group[f"reference/{name}"] = getattr(sheet.blank, name)
+        for name in _NUMBERS:
+            if (numbers := getattr(sheet.blank, name)) is not None:
+                group[f"reference/{name}"] = numbers
         group["nodes/position"], group["nodes/director"] = state.position, state.director
         write_values(group.create_group("elements"), element_values(sheet, state))
     for index, (name, tool) in enumerate(zip(info.tool_names, info.tools, strict=True)):
@@ -260,7 +265,8 @@ def _read_sheet(group: Any) -> StoredSheet:
         name: ElementValue(str(item.attrs["unit"]), str(item.attrs["description"]), _content(item))
         for name, item in group["elements"].items()
     }
-    blank = Blank(**{name: _content(group[f"reference/{name}"]) for name in _REFERENCE})
+    numbers = [name for name in _NUMBERS if name in group["reference"]]
+    blank = Blank(**{name: _content(group[f"reference/{name}"]) for name in (*_REFERENCE, *numbers)})
     if any(len(value.values) != blank.element_count for value in values.values()):
         raise ValueError("the values of its elements are not as many as its elements")
     position, director = _content(group["nodes/position"]), _content(group["nodes/director"])

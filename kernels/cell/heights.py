@@ -152,15 +152,15 @@ def last_step(w: Any, step: Any, better: Any, by_u: Any, uw: Any, uww: Any):
 
 
 @wp.func
-def until_taut(cell: Any, k: int, elongation: Any, stretched: Any, curvature: Any):
-    """Share of a step after which its slope is zero if yarn k becomes taut on the way; 1 if it does not.
+def until_taut(jump: Any, elongation: Any, stretched: Any, curvature: Any):
+    """Share of a step after which its slope is zero if a member becomes taut on the way; 1 if it does not.
 
-    The energy along the step is two parabolas, of ``curvature`` and that of the taut yarn in addition.
+    The energy along the step is two parabolas, of ``curvature`` and, in addition, of ``jump``: the member is as much
+    stiffer then.
     """
     one = fill(elongation, 1.0)
     least = fill(elongation, 1.0e-37)
     stretch = larger(stretched - elongation, least)
-    jump = wp.max(cell.tensile_stiffness[k] - cell.compressive_stiffness[k], elongation.dtype(0.0))
     slack = -(elongation / stretch)
     beyond = curvature / larger(curvature + jump * stretch * stretch, least)
     share = where_positive(stretched, slack + (one - slack) * beyond, one)
@@ -168,20 +168,37 @@ def until_taut(cell: Any, k: int, elongation: Any, stretched: Any, curvature: An
 
 
 @wp.func
+def yarn_jump(cell: Any, k: int):
+    """What yarn k is stiffer in tension."""
+    jump = cell.tensile_stiffness[k] - cell.compressive_stiffness[k]
+    return wp.max(jump, type(jump)(0.0))
+
+
+@wp.func
+def drawn(state1: Any, state2: Any):
+    """Elongations of both yarns."""
+    return from_rows(state1[ELONGATION], state2[ELONGATION])
+
+
+@wp.func
 def short_of_kinks(
-    cell: Any, iteration: int, state1: Any, state2: Any, stretched: Any, own: Any, stiffness: Any, newton: Any
+    cell: Any, iteration: int, elongation: Any, stretched: Any, closing: Any, own: Any, stiffness: Any, newton: Any
 ):
-    """Newton's step; one of the first, if a slack yarn becomes taut in it, as far as is best for both stiffnesses.
+    """Newton's step; one of the first, as far as is best for both stiffnesses if a slack yarn becomes taut in it.
+
+    Likewise if yarns that were apart meet.
 
     Only where other lanes wait: on a GPU it would take 20 registers more.
     """
     step = newton
     if iteration < KINKS_MINDED and len(newton[0]) > 1:
-        closing = newton[CLOSING]
-        curvature = own[0] * newton[0] * newton[0] + own[1] * newton[1] * newton[1] + stiffness * closing * closing
-        share = until_taut(cell, 0, state1[ELONGATION], stretched[0], curvature)
-        share = smaller(share, until_taut(cell, 1, state2[ELONGATION], stretched[1], curvature))
-        step = from_rows(share * newton[0], share * newton[1], share * closing)
+        closed = newton[CLOSING]
+        curvature = own[0] * newton[0] * newton[0] + own[1] * newton[1] * newton[1] + stiffness * closed * closed
+        share = until_taut(yarn_jump(cell, 0), elongation[0], stretched[0], curvature)
+        share = smaller(share, until_taut(yarn_jump(cell, 1), elongation[1], stretched[1], curvature))
+        if cell.unilateral == 1:
+            share = smaller(share, until_taut(cell.contact_stiffness, -closing, -(closing + closed), curvature))
+        step = from_rows(share * newton[0], share * newton[1], share * closed)
     return step
 
 
@@ -294,7 +311,7 @@ def solve_unit_cell(cell: Any, u1: Any, u2: Any, start: Any):
             residual = remainder
             break
         iterations = iterations + unfinished
-        newton = short_of_kinks(cell, iteration, state1, state2, stretched, own, stiffness, newton)
+        newton = short_of_kinks(cell, iteration, drawn(state1, state2), stretched, closing, own, stiffness, newton)
         change, step, slope = safeguarded(cell, by_w, pressure, own, stiffness, newton, step, slope)
         w, closing = advanced(w, closing, unfinished, change)
     return w, force, crossover, energy, residual, iterations, slopes

@@ -322,28 +322,6 @@ for _types in ALL_LANE_TYPES:
         """The scalars ``source[index + first]``, one per lane; ``source`` is contiguous."""
 
 
-# Warp's arrays may overlap for all that the compiler knows: on a GPU what is read after a write waits for the memory,
-# unless it is in the cache by then.
-for _types in ALL_LANE_TYPES:
-
-    @wp.func_native("""
-    #if defined(__CUDA_ARCH__)
-        for (int row = first; row < first + count; ++row)
-            asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, row, block)));
-    #endif
-    """)
-    def expect_rows(source: wp.array2d(dtype=_types.lanes), first: wp.int32, count: wp.int32, block: wp.int32):
-        """On a GPU, start to fetch ``count`` rows from ``first`` on, which are read later."""
-
-    @wp.func_native("""
-    #if defined(__CUDA_ARCH__)
-        asm volatile("prefetch.global.L1 [%0];" : : "l"(&wp::index(source, block)));
-    #endif
-    """)
-    def expect(source: wp.array(dtype=_types.lanes), block: wp.int32):
-        """On a GPU, start to fetch what is read later."""
-
-
 @wp.func
 def rows3(source: Any, row: int, block: int):
     """Three consecutive rows of lanes as 3-vectors."""

@@ -56,18 +56,25 @@ class MotionRow(Rows):
     position = "m", "position, rounded to the precision of the run", 3
     mean_angle = "rad", "mean shear angle of the elements around the node"
     remainder = "m", "what rounding cut off the position", 3
-    beside_remainder = "1", "not used"
+    velocity_remainder_x = "m/s", "what rounding cut off the velocity, along x"
     director = "1", "unit director", 3
-    beside_director = "1", "not used"
+    velocity_remainder_y = "m/s", "along y"
     velocity = "m/s", "velocity, half a step before the position", 3
-    beside_velocity = "1", "not used"
+    velocity_remainder_z = "m/s", "along z"
     spin = "1/s", "rate at which the director turns, half a step before it", 3
-    velocity_remainder = "m/s", "what rounding cut off the velocity", 3
 
 
 MOTION_RECORD_LENGTH = int(MotionRow.spin)
-# Vectors of the motion array.
-MOTION_VECTORS = tuple(row.name for row in MotionRow if row.width == 3)
+# Rows of each vector of the motion array; the remainder of the velocity has the places behind three others.
+MOTION_VECTORS = {row.name: (row, row + 1, row + 2) for row in MotionRow if row.width == 3} | {
+    "velocity_remainder": (
+        MotionRow.velocity_remainder_x,
+        MotionRow.velocity_remainder_y,
+        MotionRow.velocity_remainder_z,
+    )
+}
+# Its index among them, as ``MotionRow.velocity.vector``.
+VELOCITY_REMAINDER = list(MOTION_VECTORS).index("velocity_remainder")
 
 
 class CornerRow(Rows):
@@ -84,19 +91,19 @@ CORNER_ROW_COUNT = 4 * ROWS_PER_CORNER
 
 
 class CellReportRow(Rows):
-    """Report of the unit cell of each element."""
+    """Report of the unit cell of each element: what every step reads and writes, then what some do."""
 
     iterations = "1", "iterations of this step"
-    snap_loss = "J/m^2", "energy lost in snaps so far"
     worst_residual = "1", "worst relative residual so far"
     surplus = "J/m^2", "energy that the time integration has made, and not yet taken back; negative where it lost some"
     energy = "J/m^2", "energy of the membrane at the last step"
     warp_strain = "1", "warp stretch - 1 at the last step"
     weft_strain = "1", "weft stretch - 1 at the last step"
-    shear_angle = "rad", "shear angle at the last step, if the cell depends on it"
     warp_impulse = "N s/m", "force along the warp at the last step, with its correction, times the mean step"
     weft_impulse = "N s/m", "the same along the weft"
+    shear_angle = "rad", "shear angle at the last step, if the cell depends on it"
     moment_impulse = "N s/m", "shear moment of the cell at the last step times the mean step"
+    snap_loss = "J/m^2", "energy lost in snaps so far"
 
 
 class SlipRow(Rows):

@@ -7,8 +7,9 @@ import warp as wp
 
 from ..cell.law import CellLaw
 from ..cell.surplus import take_back_function
+from ..fetching import expect, expect_next, expect_rows
 from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
-from ..lanes import expect, expect_rows, fill, negative, scale, where_positive
+from ..lanes import fill, negative, scale, where_positive
 from ..laws.contract import device_law
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..records import store_record3, store_record4
@@ -140,12 +141,47 @@ def couple_conjugates(area: Any, x: Any, r: Any, h: Any, v: Any):
     return v
 
 
-@wp.func
-def expect_what_is_read_late(elements: Any, block: int, cell_report: Any):
-    """On a GPU, start to fetch what is read after the cell has written its unknowns."""
-    expect_rows(cell_report, 0, wp.static(CellReportRow.row_count()), block)
-    expect(elements.yarn_inertia, block)
-    expect(elements.area, block)
+@cache
+def expectations_function(lane_count: int, cell: CellLaw, traits: SheetTraits):
+    """Function that starts to fetch: on a GPU what is read after the cell has written, else what the next block reads.
+
+    Positions and directors come row by row of the mesh, which a processor sees by itself.
+    """
+    ahead, flat, shears = lane_count > GPU_LANE_COUNT, traits.flat, cell.depends_on_shear
+    kept_count, angle = cell.kept_row_count, int(CellReportRow.shear_angle)  # the first row that some cells do without
+
+    @wp.func
+    def expect_late(elements: Any, block: int, cell_report: Any):
+        expect_rows(cell_report, 0, angle, block)
+        if wp.static(shears):
+            expect_rows(cell_report, angle, 2, block)
+        expect(elements.yarn_inertia, block)
+        expect(elements.area, block)
+
+    @wp.func
+    def expect_next_block(elements: Any, block: int, cell_unknowns: Any, cell_report: Any):
+        expect_next(elements.corner_node, 0, 4, block)
+        expect_next(elements.shape_gradient, 0, 4, block)
+        expect_next(elements.hourglass_offset, 0, 2, block)
+        expect_next(elements.area, block)
+        expect_next(elements.yarn_inertia, block)
+        if wp.static(not flat):
+            expect_next(elements.initial_curvature, 0, 3, block)
+            expect_next(elements.initial_transverse_shear, 0, 2, block)
+            expect_next(elements.initial_hourglass, 0, 3, block)
+        expect_next(cell_unknowns, 0, kept_count, block)
+        expect_next(cell_report, 0, angle, block)
+        if wp.static(shears):
+            expect_next(cell_report, angle, 2, block)
+
+    @wp.func
+    def expect_what_is_read(elements: Any, block: int, cell_unknowns: Any, cell_report: Any):
+        if wp.static(not ahead):
+            expect_late(elements, block, cell_report)
+        elif elements.looks_ahead == 1:
+            expect_next_block(elements, block, cell_unknowns, cell_report)
+
+    return expect_what_is_read
 
 
 @cache
@@ -158,6 +194,7 @@ def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: S
     stretch_membrane, bend = membrane_function(*layout), bend_function(*layout, traits.flat, traits.skewed)
     answer_cell, shear_moment = cell_answer_function(*layout, cell), shear_moment_function(cell, traits)
     resist_bending, stabilise = resist_bending_function(traits), stabilisation_function(*layout, traits.flat)
+    expect_what_is_read = expectations_function(lane_count, cell, traits)
     take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
     store_forces, store_couples = store_corners_function(follows_thickness), store_corners_function(True)
 
@@ -176,7 +213,7 @@ def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: S
     ):
         elements = sheet.elements
         laws = sheet.laws
-        expect_what_is_read_late(elements, block, cell_report)
+        expect_what_is_read(elements, block, cell_unknowns, cell_report)
         shape = shape_functions(elements, block, Shape())
         x, means = positions(elements, block, shape, motion)
         d = vectors(elements, block, shape, motion, MotionRow.director)

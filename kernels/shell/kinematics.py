@@ -30,6 +30,7 @@ def element_struct(real: type, lane_count: int):
     class Elements:
         corner_node: wp.array2d(dtype=types.indices)  # 4 rows: first entry of the node in the flat motion array
         node_stride: wp.int32  # entries between two of its rows
+        looks_ahead: wp.int32  # 1: the rows of the next block are fetched while one is computed
         shape_gradient: wp.array2d(dtype=types.lanes)  # rows: see GradientRow
         hourglass_offset: wp.array2d(dtype=types.lanes)  # rows: see OffsetRow
         area: wp.array(dtype=types.lanes)  # reference area [m^2]; 0 for padding

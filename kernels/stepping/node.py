@@ -1,14 +1,16 @@
 """Nodes: gather the forces of the elements, contact with tools, time integration (docs/theory.md, 6 and 7)."""
 
 from functools import cache
+from typing import Any
 
 import warp as wp
 
 from ..contact.penalty import touch_struct
-from ..lane_types import lane_types, step_options
-from ..lanes import dot, rows3
+from ..fetching import expect_next
+from ..lane_types import GPU_LANE_COUNT, lane_types, step_options
+from ..lanes import dot, from_rows, rows3
 from ..operators import add, div, mul, sub  # noqa: F401
-from ..records import SCALAR, record3, record4, vector_of
+from ..records import SCALAR, record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, ClockEntry, MotionRow, NodeWorkRow
 from .carried_contact import meeting_function
 from .node_advance import (
@@ -21,11 +23,29 @@ from .node_advance import (
 )
 from .node_data import NodeTraits, node_laws_struct, node_struct, present_struct, surroundings_struct
 from .node_forces import (
+    USUAL_CORNER_COUNT,
     apply_loads_function,
     follow_angle_function,
     follow_thickness_function,
     gather_corners_function,
 )
+
+
+@wp.func
+def expect_next_nodes(block: int, nodes: Any, motion: Any, works: Any):
+    """Start to fetch what the next block reads beyond what elements have just read: that is in the cache.
+
+    Counts are constants: loops over as many rows as there are made a step of 99,856 elements 6 % slower.
+    """
+    if nodes.looks_ahead == 1:
+        expect_next(nodes.corner_offset, 0, wp.static(USUAL_CORNER_COUNT), block)
+        expect_next(nodes.mass, block)
+        expect_next(nodes.inverse_mass, block)
+        expect_next(nodes.inverse_inertia, block)
+        expect_next(nodes.angle_weight, block)
+        expect_next(nodes.freedom, block)
+        expect_next(motion, MOTION_RECORD_LENGTH, wp.static(MotionRow.row_count() - MOTION_RECORD_LENGTH), block)
+        expect_next(works, 0, wp.static(int(NodeWorkRow.load_work)), block)
 
 
 @cache
@@ -57,6 +77,8 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         motion: wp.array2d(dtype=lanes),
         works: wp.array2d(dtype=lanes),
     ):
+        if wp.static(lane_count > GPU_LANE_COUNT):
+            expect_next_nodes(block, nodes, motion, works)
         present = Present()
         present.block = block
         present.step = real(clock[ClockEntry.step])
@@ -64,10 +86,13 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
         place = record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block)
         present.position = vector_of(place)
         present.mean_angle = place[SCALAR]
-        present.remainder = record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
-        present.velocity = record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
-        present.velocity_remainder = rows3(motion, MotionRow.velocity_remainder, block)
-        present.director = record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
+        rest = record4(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block)
+        director = record4(motion, MOTION_RECORD_LENGTH, MotionRow.director, block)
+        velocity = record4(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block)
+        present.remainder = vector_of(rest)
+        present.velocity = vector_of(velocity)
+        present.velocity_remainder = from_rows(rest[SCALAR], director[SCALAR], velocity[SCALAR])
+        present.director = vector_of(director)
         present.spin = rows3(motion, MotionRow.spin, block)
         present.mass = nodes.mass[block]
         present.inverse_mass = nodes.inverse_mass[block]
@@ -112,12 +137,12 @@ def node_motion_function(real: type, lane_count: int, traits: NodeTraits):
             force, friction, friction_power, dashpots, dashpot_power = meet_tools(
                 present, laws, around.tools, force, touch, works
             )
-        acceleration, free, velocity = translate(present, laws, force, applied_force, motion)
+        acceleration, free, velocity, cut = translate(present, laws, force, applied_force)
         travel = present.step * velocity
         if wp.static(traits.supported):
             travel, velocity = follow_supports(present, around.supports, travel, velocity)
-        place(present, laws.tool_count, travel, velocity, motion, touch)
-        spin_sum, spin_loss = turn(present, laws, couple, motion)
+        place(present, laws.tool_count, travel, velocity, cut, motion, touch)
+        spin_sum, spin_loss = turn(present, laws, couple, cut[1], motion)
         if wp.static(traits.sampled):
             note_motion(block, travel, present.step * (spin_sum - present.spin), touch)
         middle = real(0.5) * (present.velocity + velocity)

@@ -10,7 +10,7 @@ from ..lane_types import lane_types
 from ..lanes import cross, dot, fill, in_every_lane, lane_maximum, load, scale, store, store_rows3, where_positive
 from ..machine import following
 from ..operators import add, div, mul, sub  # noqa: F401
-from ..records import store_record3, store_record4
+from ..records import store_record4
 from ..rows import MOTION_RECORD_LENGTH, MotionRow, MovedRow
 from .node_data import node_laws_struct, present_struct, support_struct
 
@@ -35,9 +35,8 @@ def exact_sum(a: Any, b: Any):
 
 @cache
 def translate_function(real: type, lane_count: int, loaded: bool):
-    """wp.func -> (acceleration, mask of free components, new velocity), without supports."""
-    types = lane_types(real, lane_count)
-    lanes, lanes3 = types.lanes, types.lanes3
+    """wp.func -> (acceleration, mask of free components, new velocity and its remainder), without supports."""
+    lanes3 = lane_types(real, lane_count).lanes3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
@@ -46,9 +45,7 @@ def translate_function(real: type, lane_count: int, loaded: bool):
         laws: NodeLaws,
         force: lanes3,
         applied_force: lanes3,
-        motion: wp.array2d(dtype=lanes),
     ):
-        block = present.block
         pushed = scale(present.inverse_mass, force)
         steady = in_every_lane(force, laws.gravity)
         if wp.static(loaded):
@@ -62,8 +59,7 @@ def translate_function(real: type, lane_count: int, loaded: bool):
         large = mul(free, (share * present.mean_step) * pushed)
         whole, cut = exact_sum(mul(free, small) + present.velocity_remainder, large)
         velocity = present.velocity + whole
-        store_rows3(motion, MotionRow.velocity_remainder, block, (whole - (velocity - present.velocity)) + cut)
-        return pushed + steady, free, velocity
+        return pushed + steady, free, velocity, (whole - (velocity - present.velocity)) + cut
 
     return translate
 
@@ -113,7 +109,10 @@ def support_work_function(real: type, lane_count: int, supported: bool):
 
 @cache
 def place_function(real: type, lane_count: int, has_tools: bool):
-    """wp.func that moves the nodes by ``travel``, and reduces the gaps to all tools by the same distance."""
+    """wp.func that moves the nodes by ``travel``, and reduces the gaps to all tools by the same distance.
+
+    The remainder of the velocity lies behind the vectors: along x and z it is stored here, along y with the director.
+    """
     types = lane_types(real, lane_count)
     lanes, lanes3 = types.lanes, types.lanes3
     Present, Touch = present_struct(real, lane_count), touch_struct(real, lane_count)
@@ -124,6 +123,7 @@ def place_function(real: type, lane_count: int, has_tools: bool):
         tool_count: wp.int32,
         travel: lanes3,
         velocity: lanes3,
+        velocity_remainder: lanes3,
         motion: wp.array2d(dtype=lanes),
         touch: Touch,
     ):
@@ -133,12 +133,12 @@ def place_function(real: type, lane_count: int, has_tools: bool):
             moved = wp.sqrt(lane_maximum(dot(travel, travel)))
             for k in range(tool_count):
                 touch.gap[k, block] = real(0.999999) * touch.gap[k, block] - moved
-        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block, velocity)
+        store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.velocity, block, velocity, velocity_remainder[2])
         # compensated sum: small increments are not lost in large coordinates
         whole = travel + present.remainder
         position = present.position + whole
         cut = whole - (position - present.position)
-        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block, cut)
+        store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.remainder, block, cut, velocity_remainder[0])
         store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.position, block, position, present.mean_angle)
 
     return place
@@ -165,8 +165,11 @@ def turn_function(real: type, lane_count: int):
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
 
     @wp.func
-    def turn(present: Present, laws: NodeLaws, couple: lanes3, motion: wp.array2d(dtype=lanes)):
-        """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length."""
+    def turn(present: Present, laws: NodeLaws, couple: lanes3, beside: lanes, motion: wp.array2d(dtype=lanes)):
+        """I domega/dt = d x (-dpsi/dd), then a Cayley rotation, which keeps the director's length.
+
+        ``beside`` is stored behind the director.
+        """
         block = present.block
         director = present.director
         spin = present.spin
@@ -184,7 +187,7 @@ def turn_function(real: type, lane_count: int):
         one = fill(half, 1.0)
         change = scale(one / (one + real(0.5) * half), cross(angle, director) - scale(half, director))
         store_rows3(motion, MotionRow.spin, block, new_spin)
-        store_record3(motion, MOTION_RECORD_LENGTH, MotionRow.director, block, director + change)
+        store_record4(motion, MOTION_RECORD_LENGTH, MotionRow.director, block, director + change, beside)
         return spin_sum, loss
 
     return turn

@@ -45,6 +45,7 @@ def node_struct(real: type, lane_count: int):
     class Nodes:
         corner_offset: wp.array2d(dtype=types.indices)  # [slot, block]: first entry of an adjacent corner's rows
         corner_stride: wp.int32  # entries between two components
+        looks_ahead: wp.int32  # 1: the rows of the next block are fetched while one is computed
         mass: wp.array(dtype=types.lanes)  # [kg]; 0 for padding
         inverse_mass: wp.array(dtype=types.lanes)
         inverse_inertia: wp.array(dtype=types.lanes)  # scaled rotary inertia [1/(kg m^2)]

@@ -75,11 +75,11 @@ def momentum(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
 
 def nodes(model, own) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities of the nodes of a sheet, in double precision."""
-    from weavesim.kernels.rows import MotionRow
+    from weavesim.kernels.rows import VELOCITY_REMAINDER, MotionRow
 
     motion = model.read_motion(own.motion)[:, : model.blank.node_count].astype(np.float64)
     position = motion[MotionRow.position.vector] + motion[MotionRow.remainder.vector]
-    return position, motion[MotionRow.velocity.vector] + motion[MotionRow.velocity_remainder.vector]
+    return position, motion[MotionRow.velocity.vector] + motion[VELOCITY_REMAINDER]
 
 
 def pass_rows(simulation: Simulation, index: int) -> dict[str, np.ndarray]:

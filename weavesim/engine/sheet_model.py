@@ -17,6 +17,7 @@ from ..kernels.rows import (
     MOTION_RECORD_LENGTH,
     MOTION_VECTORS,
     ROWS_PER_CORNER,
+    VELOCITY_REMAINDER,
     CornerRow,
     LoadRow,
     MotionRow,
@@ -49,10 +50,10 @@ SPARE_DISTANCE = 0.5
 REFRESH_INTERVAL = 20
 # Padding elements use this many nodes of their own.
 SPARE_NODE_COUNT = 4
-# Elements from which their constants lie together block by block (docs/decisions/0066).
+# Elements from which constants lie together block by block (docs/decisions/0066), and a block asks for the next (0076).
 LARGE_SHEET = 4096
 # Rows of the motion array that make each of MOTION_VECTORS, (vectors, 3).
-_VECTOR_ROWS = np.array([np.arange(MotionRow.row_count())[MotionRow[name].span] for name in MOTION_VECTORS])
+_VECTOR_ROWS = np.array(list(MOTION_VECTORS.values()))
 
 
 @dataclass(frozen=True)
@@ -264,8 +265,9 @@ class SheetModel:
 
     def _elements(self, lane_count: int):
         elements = element_struct(self.real, lane_count)()
+        elements.looks_ahead = int(lane_count > 1 and self.element_count >= LARGE_SHEET)
         views = {name: lanes_view(array, lane_count) for name, array in self._element_arrays.items()}
-        if lane_count > 1 and self.element_count >= LARGE_SHEET:
+        if elements.looks_ahead:
             whole = {n: a for n, a in self._element_arrays.items() if a.shape[-1] == self.element_count}
             views |= rows_together(whole, lane_count)
         for name, view in views.items():
@@ -296,6 +298,7 @@ class SheetModel:
         table = corner_table(self.blank.quads, self.node_count, self.corners, elements, spare)
         nodes.corner_offset = self.node_indices(table)
         nodes.corner_stride = self.corners.stride
+        nodes.looks_ahead = self.elements.looks_ahead
         # elements that are not there write zeros
         sharing = inverse(np.bincount(self.blank.quads[self.kept].ravel(), minlength=count).astype(np.float64))
         angle_weight = np.where(nodes_of_odd_angle(self.blank, free), 0.0, sharing)
@@ -383,7 +386,7 @@ class SheetModel:
         count = self.blank.node_count
         rows = np.zeros((len(MOTION_VECTORS), self.node_count, 3))
         position, velocities, director = (rows[MotionRow[name].vector] for name in ("position", "velocity", "director"))
-        remainder, velocity_remainder = rows[MotionRow.remainder.vector], rows[MotionRow.velocity_remainder.vector]
+        remainder, velocity_remainder = rows[MotionRow.remainder.vector], rows[VELOCITY_REMAINDER]
         position[:count] = self.blank.node_position
         # the padding square may be anywhere: its nodes have no contact stiffness
         position[count : count + 4, :2] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]

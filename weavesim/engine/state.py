@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 from .sheet_model import SheetModel
 
 # Of the files that ``State.save`` writes; one is read by the same version only.
-FILE_VERSION = 10
+FILE_VERSION = 11
 
 
 @dataclass(frozen=True)

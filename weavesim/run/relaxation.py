@@ -11,7 +11,7 @@ from ..device import exclusive
 from ..engine.sheet_model import SheetModel
 from ..engine.state import SheetState, State
 from ..errors import InputError, RunError
-from ..kernels.rows import ClockEntry, LoadRow, MotionRow, NodeWorkRow
+from ..kernels.rows import VELOCITY_REMAINDER, ClockEntry, LoadRow, MotionRow, NodeWorkRow
 from .simulation import Simulation
 
 # Number of stops from which the lowest frequency is determined, before viscous damping takes over.
@@ -188,7 +188,7 @@ class _Relaxation:
             count, free = sheet.blank.node_count, sheet.free[:, :3]
             motion = sheet.read_motion(own.motion)
             motion[MotionRow.velocity.vector, :count][free] = -0.5 * change.velocity_change[free]
-            motion[MotionRow.velocity_remainder.vector] = 0.0
+            motion[VELOCITY_REMAINDER] = 0.0
             motion[MotionRow.spin.vector, :count] = -0.5 * change.spin_change
             sheet.write_motion(own.motion, motion)
 

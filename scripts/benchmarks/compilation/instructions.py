@@ -35,7 +35,12 @@ def compiled_for(kernel: wp.Kernel, processor: str) -> Iterator[None]:
 
 
 def instruction_count(kernel: wp.Kernel, processor: str = PROCESSOR) -> int:
-    """Instructions of a kernel and of all that it calls, whether they are executed or not.
+    """Instructions of a kernel and of all that it calls, whether they are executed or not; see instruction_names."""
+    return len(instruction_names(kernel, processor))
+
+
+def instruction_names(kernel: wp.Kernel, processor: str = PROCESSOR) -> list[str]:
+    """Names of the instructions of a kernel and of all that it calls, without padding.
 
     Takes the packages capstone and pyelftools (extra ``test``), on Linux with an x86 processor of any kind.
     """
@@ -52,11 +57,8 @@ def instruction_count(kernel: wp.Kernel, processor: str = PROCESSOR) -> int:
             codes = [part.data() for part in sections if part.header["sh_flags"] & SH_FLAGS.SHF_EXECINSTR]
     decoder = Cs(CS_ARCH_X86, CS_MODE_64)
     decoder.skipdata = True
-    return sum(
-        not name.startswith(("nop", ".byte", "int3"))
-        for code in codes
-        for _, _, name, _ in decoder.disasm_lite(code, 0)
-    )
+    names = [name for code in codes for _, _, name, _ in decoder.disasm_lite(code, 0)]
+    return [name for name in names if not name.startswith(("nop", ".byte", "int3"))]
 
 
 def step_kernels(precision: str) -> dict[str, wp.Kernel]:

@@ -169,7 +169,7 @@ def test_a_lost_state_ends_the_interval(monkeypatch, lane_count, row, value, lau
     load_kernel(check_clock, simulation.model.device)
     simulation.stepper.launches_intervals = launches_intervals
     motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)
-    motion[MOTION_VECTORS.index(row), 60, 1] = value
+    motion[list(MOTION_VECTORS).index(row), 60, 1] = value
     simulation.model.sheet.write_motion(simulation.state.sheet.motion, motion)
     simulation.stepper.advance_to(1.0)
     # that of the first block, or of the first turn of several
@@ -225,12 +225,15 @@ def test_while_others_of_the_process_compute_they_are_left_a_core_and_no_bit_cha
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_constants_side_by_side_change_no_bit(monkeypatch, precision, threads):
+def test_constants_side_by_side_and_fetched_ahead_change_no_bit(monkeypatch, precision, threads):
     whole = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
     monkeypatch.setattr(sheet_model, "LARGE_SHEET", 0)
     together = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
     lines = [run.stepper.model.sheets[0].elements.corner_node.strides for run in (whole, together)]
     assert lines[1][-1] > lines[0][-1]
+    models = [run.stepper.model.sheets[0] for run in (whole, together)]
+    assert [(model.elements.looks_ahead, model.nodes.looks_ahead) for model in models] == [(0, 0), (1, 1)]
+    assert [model.elements_single.looks_ahead for model in models] == [0, 0]
     for run in (whole, together):
         run.stepper.advance(12)
     assert arrived(together) == arrived(whole)

@@ -30,7 +30,14 @@ def test_every_member_has_a_unit_and_a_description(array):
 
 
 def test_vectors_of_the_motion_are_numbered():
-    assert [MotionRow[name].vector for name in rows.MOTION_VECTORS] == [0, 1, 2, 3, 4, 5]
+    names = list(rows.MOTION_VECTORS)
+    assert [MotionRow[name].vector for name in names[:-1]] == [0, 1, 2, 3, 4]
+    assert names[rows.VELOCITY_REMAINDER] == "velocity_remainder"
+
+
+def test_vectors_of_the_motion_have_all_rows_but_that_of_the_mean_angle():
+    taken = sorted(row for vector in rows.MOTION_VECTORS.values() for row in vector)
+    assert taken == [row for row in range(MotionRow.row_count()) if row != MotionRow.mean_angle]
 
 
 @pytest.mark.parametrize(

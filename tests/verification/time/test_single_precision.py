@@ -8,7 +8,7 @@ from weavesim.fabric.bending import BendingCurve, YarnBending
 from weavesim.fabric.cell.membrane import LinearMembrane
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.fabric.shear import ShearFriction
-from weavesim.kernels.rows import MotionRow
+from weavesim.kernels.rows import VELOCITY_REMAINDER, MotionRow
 from weavesim.process.dynamics import Dynamics
 from weavesim.process.loads import NodalLoads
 from weavesim.process.strokes import Stroke
@@ -95,7 +95,7 @@ def test_a_start_velocity_is_not_rounded():
     """The remainder of the first velocities belongs to them."""
     simulation = run(0, initial_velocity=np.tile([0.1, 0.2, 0.3], (BLANK.node_count, 1)))
     motion = simulation.model.sheet.read_motion(simulation.state.sheet.motion)[:, : BLANK.node_count].astype(float)
-    velocity = motion[MotionRow.velocity.vector] + motion[MotionRow.velocity_remainder.vector]
+    velocity = motion[MotionRow.velocity.vector] + motion[VELOCITY_REMAINDER]
     assert np.abs(velocity - [0.1, 0.2, 0.3]).max() < 1e-9
 
 

@@ -10,7 +10,7 @@ from ...engine.staging.acting import Acting
 from ...engine.state import SheetState, State
 from ...engine.surface.friction import argument_rows
 from ...errors import RunError
-from ...kernels.rows import MotionRow, ToolDriveRow
+from ...kernels.rows import VELOCITY_REMAINDER, MotionRow, ToolDriveRow
 from ...process.interfaces import Interface
 from ...process.strokes import ForceDriven
 from ..touching import place_carried, touch_sheets
@@ -180,7 +180,7 @@ def _stop(state: State, model: Model, index: int, held: np.ndarray) -> None:
     sheet, own = model.sheets[index], state.sheets[index]
     motion = sheet.read_motion(own.motion)
     count = sheet.blank.node_count
-    for name in ("velocity", "velocity_remainder"):
-        motion[MotionRow[name].vector, :count][held[:, :3]] = 0.0
+    for vector in (MotionRow.velocity.vector, VELOCITY_REMAINDER):
+        motion[vector, :count][held[:, :3]] = 0.0
     motion[MotionRow.spin.vector, :count][held[:, 3:]] = 0.0
     sheet.write_motion(own.motion, motion)

@@ -11,7 +11,7 @@ from ...engine.model import Model
 from ...engine.staging.acting import Acting
 from ...engine.staging.trimming import cut, refuse_gripped, trims_of
 from ...engine.state import SheetState, State
-from ...kernels.rows import MotionRow
+from ...kernels.rows import VELOCITY_REMAINDER, MotionRow
 from ...sheet.topology import flat_areas
 from .change import positions_of
 
@@ -85,8 +85,8 @@ def clear_waste(state: State, model: Model) -> None:
             continue
         count = sheet.blank.node_count
         motion = sheet.read_motion(own.motion)
-        for name in ("velocity", "velocity_remainder", "spin"):
-            motion[MotionRow[name].vector, :count][sheet.waste] = 0.0
+        for vector in (MotionRow.velocity.vector, VELOCITY_REMAINDER, MotionRow.spin.vector):
+            motion[vector, :count][sheet.waste] = 0.0
         sheet.write_motion(own.motion, motion)
         _clear_elements(own, ~sheet.kept, sheet.initial_unknowns())
         springs = sheet.friction_layout.read(own.friction)

@@ -331,7 +331,7 @@ def test_pinched_hemisphere_converges(fabric, manual):
         "Rifai 1989, converged). Nearly inextensional: less than 1 % of the energy is in the membrane, whose yarns "
         "have no Poisson effect. By dynamic relaxation, linear range.",
     )  # fmt: skip
-    counts = (4, 8, 16)
+    counts = (8, 12, 16)  # four elements in a quadrant are refused: yarns that curve would lean by ten degrees
     values = [hemisphere_displacement(fabric, count) for count in counts]
     low, high = HEMISPHERE_PUBLISHED
     assert 0.99 * low <= values[-1] <= 1.01 * high

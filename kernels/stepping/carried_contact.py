@@ -8,11 +8,11 @@ from ..contact.carried_pose import posed_distance_function, read_pose_function, 
 from ..contact.penalty import touch_struct
 from ..contact.tool_distance import away_function, tool_set_struct
 from ..lane_types import lane_types
-from ..lanes import cross, dot, lane_maximum, lane_sum, larger, rows3, store_rows3
+from ..lanes import cross, dot, lane_maximum, larger, rows3, store_rows3
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..rows import NodeWorkRow
 from .node_data import NodeTraits, node_laws_struct, present_struct
-from .tool_contact import contact_function, meet_tools_function
+from .tool_contact import contact_function, each_tool_function, meet_tools_function, on_tool_function
 from .tool_friction import rub_by_law_function
 
 THICKNESS_WORK = wp.constant(int(NodeWorkRow.thickness_work))
@@ -26,18 +26,14 @@ def meet_carried_tools_function(real: type, lane_count: int, traits: NodeTraits)
     forces about its pivot.
     """
     types = lane_types(real, lane_count)
-    lanes, lanes3, vec3 = types.lanes, types.lanes3, types.vec3
+    lanes, lanes3 = types.lanes, types.lanes3
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     read_pose, away = read_pose_function(real), away_function(real, lane_count)
     posed_distance = posed_distance_function(real, lane_count, traits.shape_kinds)
     turning, velocity_at, largest_speed = surface_speed_functions(real, lane_count)
-    contact = contact_function(real, lane_count, True)
+    contact, on_tool = contact_function(real, lane_count, True), on_tool_function(real, lane_count)
     rub_by_law = rub_by_law_function(real, lane_count, True)
-
-    @wp.func
-    def on_tool(force: lanes3):
-        return vec3(-lane_sum(force[0]), -lane_sum(force[1]), -lane_sum(force[2]))
 
     @wp.func
     def pushed(
@@ -99,25 +95,7 @@ def meet_carried_tools_function(real: type, lane_count: int, traits: NodeTraits)
         touch.moment[k, block] = on_tool(cross(arm, push))
         return push, drag, dashpot, friction_power, dashpot_power
 
-    @wp.func
-    def meet_carried_tools(
-        present: Present,
-        laws: NodeLaws,
-        tools: Tools,
-        force: lanes3,
-        # Out
-        touch: Touch,
-        works: wp.array2d(dtype=lanes),
-    ):
-        friction, friction_power = lanes3(), lanes()
-        dashpots, dashpot_power = lanes3(), lanes()
-        for k in range(laws.tool_count):
-            push, drag, dashpot, by_friction, by_dashpot = meet_tool(present, laws, tools, k, touch, works)
-            force, friction, dashpots = force + push, friction + drag, dashpots + dashpot
-            friction_power, dashpot_power = friction_power + by_friction, dashpot_power + by_dashpot
-        return force, friction, friction_power, dashpots, dashpot_power
-
-    return meet_carried_tools
+    return each_tool_function(real, lane_count, meet_tool)
 
 
 def meeting_function(real: type, lane_count: int, traits: NodeTraits):

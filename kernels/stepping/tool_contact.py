@@ -55,6 +55,50 @@ def contact_function(real: type, lane_count: int, carried: bool = False):
 
 
 @cache
+def on_tool_function(real: type, lane_count: int):
+    """wp.func -> what forces, or moments, on a block of points are together on the tool that exerts them."""
+    types = lane_types(real, lane_count)
+    lanes3, vec3 = types.lanes3, types.vec3
+
+    @wp.func
+    def on_tool(force: lanes3):
+        return vec3(-lane_sum(force[0]), -lane_sum(force[1]), -lane_sum(force[2]))
+
+    return on_tool
+
+
+def each_tool_function(real: type, lane_count: int, meet_tool: wp.Function) -> wp.Function:
+    """wp.func -> (force with contact, friction, its power, dashpots, their power) of all tools.
+
+    ``meet_tool`` gives what one tool adds to each, and returns early where it is far (decision 80).
+    """
+    types = lane_types(real, lane_count)
+    lanes, lanes3 = types.lanes, types.lanes3
+    Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
+    Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
+
+    @wp.func
+    def meet_tools(
+        present: Present,
+        laws: NodeLaws,
+        tools: Tools,
+        force: lanes3,
+        # Out
+        touch: Touch,
+        works: wp.array2d(dtype=lanes),
+    ):
+        friction, friction_power = lanes3(), lanes()
+        dashpots, dashpot_power = lanes3(), lanes()
+        for k in range(laws.tool_count):
+            push, drag, dashpot, by_friction, by_dashpot = meet_tool(present, laws, tools, k, touch, works)
+            force, friction, dashpots = force + push, friction + drag, dashpots + dashpot
+            friction_power, dashpot_power = friction_power + by_friction, dashpot_power + by_dashpot
+        return force, friction, friction_power, dashpots, dashpot_power
+
+    return meet_tools
+
+
+@cache
 def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     """wp.func -> (force with contact, friction, its power, dashpots, their power); touch and work are written.
 
@@ -67,7 +111,7 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
     Present, NodeLaws = present_struct(real, lane_count), node_laws_struct(real)
     Tools, Touch = tool_set_struct(real), touch_struct(real, lane_count)
     tool_distance = tool_distance_function(real, lane_count, traits.shape_kinds, traits.rotated)
-    contact = contact_function(real, lane_count)
+    contact, on_tool = contact_function(real, lane_count), on_tool_function(real, lane_count)
     rub_by_law = rub_by_law_function(real, lane_count)
 
     @wp.func
@@ -126,33 +170,10 @@ def meet_tools_function(real: type, lane_count: int, traits: NodeTraits):
             present, laws, tools, k, present.half_thickness - distance, normal, touch, works
         )
         store_rows3(touch.friction, 3 * k, block, stretch)
-        touch.reaction[k, block] = vec3(-lane_sum(push[0]), -lane_sum(push[1]), -lane_sum(push[2]))
+        touch.reaction[k, block] = on_tool(push)
         return push, drag, dashpot, friction_power, dashpot_power
 
-    @wp.func
-    def meet_tools(
-        present: Present,
-        laws: NodeLaws,
-        tools: Tools,
-        force: lanes3,
-        # Out
-        touch: Touch,
-        works: wp.array2d(dtype=lanes),
-    ):
-        friction = lanes3()
-        friction_power = lanes()
-        dashpots = lanes3()
-        dashpot_power = lanes()
-        for k in range(laws.tool_count):
-            push, drag, dashpot, by_friction, by_dashpot = meet_tool(present, laws, tools, k, touch, works)
-            force = force + push
-            friction = friction + drag
-            dashpots = dashpots + dashpot
-            friction_power = friction_power + by_friction
-            dashpot_power = dashpot_power + by_dashpot
-        return force, friction, friction_power, dashpots, dashpot_power
-
-    return meet_tools
+    return each_tool_function(real, lane_count, meet_tool)
 
 
 @cache

@@ -4,7 +4,7 @@ from typing import Any
 
 import warp as wp
 
-from ..angles import angle_of
+from ..angles import angle_beside
 from ..lanes import fill, from_rows, inverses, larger, magnitude, square_root, where_positive
 from ..operators import add, div, mul, sub  # noqa: F401
 
@@ -19,8 +19,8 @@ INVERSE_LENGTH = wp.constant(5)
 
 
 @wp.func
-def yarn_strain(cell: Any, k: int, u: Any, w: Any):
-    """Elongation l - l0 and rotation phi of yarn k's chord, and the chord (X, H, 1/l).
+def yarn_chord(cell: Any, k: int, u: Any, w: Any):
+    """Elongation l - l0 of yarn k's chord, the chord (X, H, 1/l), and of its rotation phi sin and 1 + cos, times l l0.
 
     Both are written without cancellation: l - l0 = (l^2 - l0^2)/(l + l0), and sin(phi) l l0 = L w - h u.
     """
@@ -34,8 +34,16 @@ def yarn_strain(cell: Any, k: int, u: Any, w: Any):
     across = w * (u.dtype(2.0) * fill(u, crimp_height) + w)
     inverse_length, inverse_sum = inverses(length, length + fill(u, chord_length))
     elongation = (along + across) * inverse_sum
-    rotation = angle_of(half_spacing * w - crimp_height * u, half_spacing * x + crimp_height * h, chord_length * length)
-    return elongation, rotation, x, h, inverse_length
+    sine = half_spacing * w - crimp_height * u
+    beside = chord_length * length + (half_spacing * x + crimp_height * h)
+    return elongation, x, h, inverse_length, sine, beside
+
+
+@wp.func
+def yarn_strain(cell: Any, k: int, u: Any, w: Any):
+    """Elongation l - l0 and rotation phi of yarn k's chord, and the chord (X, H, 1/l)."""
+    elongation, x, h, inverse_length, sine, beside = yarn_chord(cell, k, u, w)
+    return elongation, angle_beside(sine, beside), x, h, inverse_length
 
 
 @wp.func
@@ -46,9 +54,8 @@ def yarn_axial_stiffness(cell: Any, k: int, elongation: Any):
 
 
 @wp.func
-def yarn_forces(cell: Any, k: int, u: Any, w: Any):
-    """dPi/du, dPi/dw, d2Pi/dw2, its positive part, the size of the terms of dPi/dw, and the state, of yarn k alone."""
-    elongation, rotation, x, h, inverse_length = yarn_strain(cell, k, u, w)
+def strained_forces(cell: Any, k: int, elongation: Any, rotation: Any, x: Any, h: Any, inverse_length: Any):
+    """``yarn_forces`` of a strained yarn."""
     stiffness = yarn_axial_stiffness(cell, k, elongation)
     axial = stiffness * elongation
     moment = cell.rotation_stiffness[k] * rotation
@@ -60,11 +67,18 @@ def yarn_forces(cell: Any, k: int, u: Any, w: Any):
     # d2Pi/dw2: elastic part K_E, geometric part K_G
     turning = cosine * inverse_length
     elastic = stiffness * sine * sine + cell.rotation_stiffness[k] * turning * turning
-    geometric = (axial * cosine - u.dtype(2.0) * shear * sine) * turning
+    geometric = (axial * cosine - x.dtype(2.0) * shear * sine) * turning
     # reference size of the residual
     size = magnitude(axial * sine) + magnitude(shear * cosine)
     state = from_rows(elongation, stiffness, moment, cosine, sine, inverse_length)
     return by_u, by_w, elastic + geometric, elastic, size, state
+
+
+@wp.func
+def yarn_forces(cell: Any, k: int, u: Any, w: Any):
+    """dPi/du, dPi/dw, d2Pi/dw2, its positive part, the size of the terms of dPi/dw, and the state, of yarn k alone."""
+    elongation, rotation, x, h, inverse_length = yarn_strain(cell, k, u, w)
+    return strained_forces(cell, k, elongation, rotation, x, h, inverse_length)
 
 
 @wp.func

@@ -196,6 +196,8 @@ def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: S
     resist_bending, stabilise = resist_bending_function(traits), stabilisation_function(*layout, traits.flat)
     expect_what_is_read = expectations_function(lane_count, cell, traits)
     take_back, follows_thickness = take_back_function(real, cell), traits.follows_thickness
+    # sooner than to keep them in memory while the cell iterates; in double precision it is not
+    reads_late = lane_count > GPU_LANE_COUNT and real is wp.float32
     store_forces, store_couples = store_corners_function(follows_thickness), store_corners_function(True)
 
     @wp.func
@@ -216,7 +218,8 @@ def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: S
         expect_what_is_read(elements, block, cell_unknowns, cell_report)
         shape = shape_functions(elements, block, Shape())
         x, means = positions(elements, block, shape, motion)
-        d = vectors(elements, block, shape, motion, MotionRow.director)
+        if wp.static(not reads_late):
+            d = vectors(elements, block, shape, motion, MotionRow.director)
         m = stretch_membrane(x.by1, x.by2)
 
         answer = answer_cell(sheet.cell, block, m, cell_unknowns, cell_report)
@@ -227,6 +230,8 @@ def element_force_function(real: type, lane_count: int, cell: CellLaw, traits: S
         area = elements.area[block]
         if wp.static(lane_count == GPU_LANE_COUNT):
             means = mean_angles(elements, block, motion)  # read only now: they need registers
+        if wp.static(reads_late):
+            d = vectors(elements, block, shape, motion, MotionRow.director)  # so do these
         moment, shear12 = shear_moment(laws, block, shape, m, answer, means, slip)
         r = membrane_resultants(laws, m, answer, moment, shear12, Resultants())
         thickness = lanes()

@@ -195,7 +195,9 @@ def list_pairs_kernel(real: type, counts: bool):
                 for k in range(group * GROUP, wp.min((group + 1) * GROUP, total)):
                     other = creases.crease[k]
                     other_low, other_high = box_of(edges, other, margin)
-                    near = k != c and not apart(low, high, other_low, other_high)
+                    # a crease ends at a free edge, opposite to others in its plane: both kinds meet their own
+                    alike = (edge < edges.free_count) == (other < edges.free_count)
+                    near = k != c and alike and not apart(low, high, other_low, other_high)
                     if near and not are_neighbours(edges, wp.min(edge, other), wp.max(edge, other)):
                         if wp.static(not counts) and count < search.count[c]:
                             take(creases, search, edge, other, search.first[c] + count)

@@ -27,7 +27,7 @@ ENTRIES_PER_EDGE, EDGES_OF_SMALL_SHEETS, ENTRIES_PER_EDGE_OF_LARGE_SHEETS = 32, 
 
 
 class CreaseModel:
-    """Constants of the contact of the creases of one sheet.
+    """Constants of the contact of the creases of one sheet, and of its free edges.
 
     Args:
         own_pass: the first pass of the sheet on itself, whose law, search and ledger they share.

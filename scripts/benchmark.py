@@ -6,6 +6,7 @@
     python scripts/benchmark.py compiling   processor time to compile the kernels of each unit cell
     python scripts/benchmark.py start       time from the command to the first step of a run
     python scripts/benchmark.py sheets      cost of several sheets in one run, relative to one
+    python scripts/benchmark.py batch       variants of a run side by side, compared with one after the other
     python scripts/benchmark.py plies       cost of the contact between plies
     python scripts/benchmark.py meshes      cost of tools that are meshes, relative to built-in shapes
     python scripts/benchmark.py answer      time from the command to an answer within a tolerance of the converged one

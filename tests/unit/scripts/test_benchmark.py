@@ -67,10 +67,9 @@ def test_a_checkout_is_timed_against_itself_in_turns():
     assert [line.split(" | ")[3] for line in table.splitlines() if line.startswith("| the other")] == ["1.000"]
 
 
-def test_simulations_of_both_versions_say_how_large_they_are():
-    blank = SimpleNamespace(element_count=7)
-    assert element_count(SimpleNamespace(blank=blank)) == 7
-    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7
+def test_elements_of_all_sheets_count():
+    sheets = [SimpleNamespace(blank=SimpleNamespace(element_count=count)) for count in (7, 5)]
+    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=sheets))) == 12
 
 
 def test_processor_time_is_that_of_a_process_and_of_those_it_waits_for():

@@ -37,6 +37,7 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import (
+    MAXIMUM_GROUP,
     check_clock,
     fold_works_kernel,
     group_maximum_kernel,
@@ -212,7 +213,7 @@ class KernelSet:
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             *([grip_kernel(real)] if self.gripped else []),
-            (group_maximum_kernel if is_cpu else partial_maximum_kernel)(real),
+            group_maximum_kernel(real, MAXIMUM_GROUP) if is_cpu else partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),
             *([flush_subnormals, restore_subnormals, count_rounds] if is_cpu else [check_clock]),

@@ -77,7 +77,12 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
 
     from weavesim import Simulation
     from weavesim.engine.setup import Solver
-    from weavesim.kernels.stepping.step import check_clock, partial_maximum_kernel
+    from weavesim.kernels.stepping.step import (
+        MAXIMUM_GROUP,
+        check_clock,
+        group_maximum_kernel,
+        partial_maximum_kernel,
+    )
     from weavesim.kernels.stepping.tools import partial_sum_kernel, tool_motion_kernel
 
     simulation = Simulation(setup.model_copy(update={"solver": Solver(precision=precision, lane_count=1, threads=1)}))
@@ -91,7 +96,7 @@ def kernels_on_gpu(setup: Setup, precision: str) -> Iterator[wp.Kernel]:
             tool_motion_kernel(wp.float64, waits=simulation.model.tools.waits),
         ]
     ):
-        if not kernel.key.endswith(("_subnormals", "group_maximum")):
+        if not kernel.key.endswith("_subnormals") and kernel is not group_maximum_kernel(real, MAXIMUM_GROUP):
             yield kernel
 
 

@@ -64,9 +64,11 @@ class Names:
         return Names(self.mesh, of_nodes, of_elements, self.elements_are)
 
     def node(self, row: Any) -> int:
+        """Number of the node in a row."""
         return int(row if self.nodes is None else self.nodes[row])
 
     def element(self, row: Any) -> str:
+        """Number of the element in a row, and of what, for messages."""
         number = str(int(row if self.elements is None else self.elements[row]))
         return number if self.elements_are == "element" else f"of {self.elements_are} {number}"
 
@@ -270,7 +272,7 @@ def number_array(name: str, value: Any) -> np.ndarray:
 
 
 def whole_numbers(quads: Any) -> np.ndarray:
-    """Corner nodes of elements as int32; an InputError unless they are whole numbers."""
+    """Corner nodes of elements as int32, of the shape given; an InputError unless they are whole numbers."""
     given = number_array("blank mesh: elements", quads)
     wrong = ~((np.abs(given) < 2.0**31) & (given == np.rint(given)))
     if wrong.any():

@@ -73,6 +73,12 @@ def restore_subnormals(before: wp.array(dtype=wp.int32)):
     previous = switch_flushing(before[0])  # noqa: F841
 
 
+@wp.kernel(module="unique", enable_backward=False)
+def count_rounds(kept: wp.int32, more: wp.int32, count: wp.array(dtype=wp.int32)):
+    """How often a recorded loop goes round: ``kept`` is 0 before its first round, and 1 at the end of each."""
+    count[0] = kept * count[0] + more
+
+
 @wp.func_native("""
     int result = index + 1;
 #if defined(__CUDA_ARCH__)

@@ -1,6 +1,7 @@
 """Equilibrium of the unknowns of cells in all lanes at once, and the tangent there, in double precision.
 
-The state x of the lanes is a matrix with the rows of ``state_names``.
+The state x of the lanes is a matrix with the rows of ``state_names``. This serves cells whose energy can be read as a
+formula (``energy_lanes``), with exact derivatives; ``newton`` serves the others.
 """
 
 from collections.abc import Callable, Mapping, Sequence

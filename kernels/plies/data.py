@@ -11,6 +11,8 @@ from .facet import facets_struct
 
 # Way of nodes without a foot that never seek one by themselves [m].
 UNSOUGHT = wp.constant(1.0e30)
+# Farther than anything of a sheet [m]: corners of a box that holds nothing yet.
+FAR = wp.constant(1.0e30)
 # Blocks of a call on a CPU: a call on one block that sleeps would cost more than the look at it.
 _BLOCKS_PER_CALL = 16
 # Penetration of a node that has no foot [m].

@@ -13,7 +13,7 @@ from ..lane_types import lane_types
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..rows import MotionRow, PlyRow
-from .data import NO_DEPTH, UNSOUGHT, record_struct
+from .data import FAR, NO_DEPTH, UNSOUGHT, record_struct
 from .facet import facets_struct, find_foot, normal_at, patch_at, patch_functions, sagitta
 from .search import search_struct, watch_struct
 from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
@@ -134,8 +134,8 @@ def bound_groups_kernel(real: type):
         if entry[PassEntry.sought] == wp.float64(0.0):
             return
         group = first_group + wp.tid()
-        low = vec3(real(1.0e30))
-        high = vec3(real(-1.0e30))
+        low = vec3(real(FAR))
+        high = vec3(-real(FAR))
         total = vec3()
         for place in range(bounds.node.shape[0]):
             node = bounds.node[place, group]

@@ -58,16 +58,12 @@ class Series:
         return InputError(f"{self.place}{line}: column {self.names[column]!r}: {reason}")
 
     def noted(self, note: str) -> Series:
+        """This series with one more note; itself if the note is empty."""
         return replace(self, notes=(*self.notes, note)) if note else self
 
     def rows(self, chosen: np.ndarray, note: str = "") -> Series:
         """Some of the rows, in the order of the index (m,)."""
         return replace(self, x=self.x[chosen], y=self.y[chosen], lines=self.lines[chosen]).noted(note)
-
-    @property
-    def turning_point(self) -> int:
-        """Index of the largest x, where loading ends."""
-        return int(np.argmax(self.x))
 
     @property
     def loading(self) -> tuple[np.ndarray, np.ndarray]:

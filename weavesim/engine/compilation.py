@@ -28,7 +28,7 @@ from ..kernels.contact.tool_distance import sample_distance_kernel
 from ..kernels.contact.tool_shapes import further_kinds
 from ..kernels.loads.grippers import grip_kernel
 from ..kernels.loads.pressure import element_pressure_kernel
-from ..kernels.machine import barrier, flush_subnormals, restore_subnormals
+from ..kernels.machine import barrier, count_rounds, flush_subnormals, restore_subnormals
 from ..kernels.shell.energy import element_ledger_kernel
 from ..kernels.shell.extremes import element_extremes_kernel
 from ..kernels.shell.force import element_force_kernel
@@ -37,6 +37,7 @@ from ..kernels.shell.laws import SheetTraits
 from ..kernels.stepping.node import node_motion_kernel
 from ..kernels.stepping.node_data import NodeTraits
 from ..kernels.stepping.step import (
+    MAXIMUM_GROUP,
     check_clock,
     fold_works_kernel,
     group_maximum_kernel,
@@ -201,10 +202,10 @@ class KernelSet:
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             *([grip_kernel(real)] if self.gripped else []),
-            (group_maximum_kernel if on_cpu else partial_maximum_kernel)(real),
+            group_maximum_kernel(real, MAXIMUM_GROUP) if on_cpu else partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),
-            *([flush_subnormals, restore_subnormals] if on_cpu else [check_clock]),
+            *([flush_subnormals, restore_subnormals, count_rounds] if on_cpu else [check_clock]),
             *([barrier] if on_cpu and self.threaded else []),
         ]
         return list(dict.fromkeys([*own, *(kernel for each in self.others for kernel in each.kernels())]))

@@ -23,6 +23,7 @@ class Frequencies:
 
     @classmethod
     def of(cls, fabric: Fabric, geometry: ElementGeometry, areal_density: np.ndarray) -> Frequencies:
+        """Of the elements of a sheet of ``fabric``; ``areal_density`` is (m,) [kg/m^2], with added mass."""
         b11, b22 = geometry.squared_gradients
         b = b11 + b22
         c1, c2 = fabric.unit_cell.yarn_stiffness_per_width

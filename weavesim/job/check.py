@@ -62,11 +62,6 @@ class Checked:
     expected: Estimate | None
     errors: dict[str, tuple[float, float]]
 
-    @property
-    def is_doubtful(self) -> bool:
-        """Whether something should be looked at."""
-        return any(row.judgement == LOOK for row in self.rows)
-
 
 def check_setup(setup: Setup) -> Checked:
     """Prepare a run, without running it, and say what is known.

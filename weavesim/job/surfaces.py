@@ -25,8 +25,6 @@ TURNS: dict[str, tuple[tuple[int, int, int], ...]] = {
     "+y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)), "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "+x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)), "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
 }  # fmt: skip
-# Families of a tool's surfaces that are no tools of a press by themselves.
-_PLACED = ("origin", "rotation")
 
 
 def turned(vertices: np.ndarray, up: str) -> np.ndarray:

@@ -49,6 +49,7 @@ class Failures(list[str]):
         logger.warning("%s", text)
 
     def clear(self) -> None:
+        """Forget what failed."""
         super().clear()
         self.names.clear()
 

@@ -40,7 +40,7 @@ class Coulomb(Friction):
     coefficient: Annotated[NotNegative, Quantity("friction")]
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """One entry."""
+        """One entry, at an argument of zero: the coefficient, (1,) each."""
         return np.zeros(1), np.array([self.coefficient])
 
 

@@ -23,6 +23,7 @@ class ElementGeometry:
 
     @classmethod
     def of(cls, blank: Blank) -> ElementGeometry:
+        """Of the elements of a blank as it is at the start."""
         x = blank.node_position[blank.quads]
         d = blank.initial_director[blank.quads]
         frame = np.stack([blank.warp_direction, blank.weft_direction], axis=1)

@@ -64,9 +64,11 @@ class Names:
         return Names(self.mesh, of_nodes, of_elements, self.elements_are)
 
     def node(self, row: Any) -> int:
+        """Number of the node in a row."""
         return int(row if self.nodes is None else self.nodes[row])
 
     def element(self, row: Any) -> str:
+        """Number of the element in a row, and of what, for messages."""
         number = str(int(row if self.elements is None else self.elements[row]))
         return number if self.elements_are == "element" else f"of {self.elements_are} {number}"
 

@@ -22,6 +22,16 @@ LEAST_AREA = 1e-9
 
 
 def checked_triangles(name: str, vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] and faces (m, 3) as arrays, without vertices that no face uses.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices, faces: as given.
+
+    Raises:
+        InputError: no triangles, wrong shapes, indices beyond the vertices, values that are not finite, or a size that
+            no tool has.
+    """
     vertices = np.asarray(vertices, dtype=np.float64)
     faces = np.asarray(faces)
     if faces.size == 0:
@@ -58,6 +68,7 @@ def edge_products(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
 
 
 def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Areas of the faces (m, 3) of ``vertices`` (n, 3) [m]: (m,) [m^2]."""
     x, y, z = edge_products(vertices, faces)
     return 0.5 * np.sqrt(x * x + y * y + z * z)
 
@@ -65,6 +76,17 @@ def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 def mirrored_mesh(
     name: str, vertices: np.ndarray, faces: np.ndarray, plane: str, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] and faces (m, 3) with their mirror image at a plane, welded there.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices, faces: of one half.
+        plane: "x" for x = 0, or "y" for y = 0.
+        tolerance: up to which the half may be away from the plane [m].
+
+    Raises:
+        InputError: another plane, or a mesh that does not end at it.
+    """
     if plane not in ("x", "y"):
         raise InputError(f'{name}: mirror contains {plane!r}; "x" (plane x = 0) and "y" (plane y = 0) are allowed.')
     axis = "xy".index(plane)
@@ -175,6 +197,16 @@ def without_unused(vertices: np.ndarray, faces: list[np.ndarray]) -> tuple[np.nd
 
 
 def check_size(name: str, vertices: np.ndarray, unit_scale: float = 1.0) -> None:
+    """Check that vertices (n, 3) are those of a tool; what is not finite is no matter of this.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices: in units of the file.
+        unit_scale: metres per unit.
+
+    Raises:
+        InputError: it is larger or smaller than any tool.
+    """
     if len(vertices) == 0 or not np.all(np.isfinite(vertices)):
         return  # reported by checked_triangles
     size = unit_scale * float(np.ptp(vertices, axis=0).max())

@@ -36,7 +36,6 @@ def test_everything_that_is_asked_for_is_there(tray):
 
 def test_coarse_elements_and_a_fast_punch_are_to_be_looked_at(tray):
     checked, rows = tray
-    assert checked.is_doubtful
     assert rows["speeds", "punch"].judgement == "look"
     assert [row for row in checked.rows if row.what == "smallest radius"][0].judgement == "look"
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from ...kernels.plies.collect import group_speed_kernel, settle_own_search_kernel
+from ...kernels.plies.collect import GROUP, settle_own_search_kernel
 from ...kernels.plies.own_search import (
     SLOT_COUNT,
     bound_groups_kernel,
@@ -17,6 +17,7 @@ from ...kernels.plies.own_search import (
     seek_own_facets_kernel,
     sheet_points_struct,
 )
+from ...kernels.stepping.step import group_maximum_kernel
 from .connectivity import turning_way
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
@@ -115,7 +116,7 @@ class OwnSearch:
         """How far the sheet may move before it is searched again, and which passes have something to do."""
         for values, largest in zip((self.found.urgency, self.found.far_urgency), self._largest, strict=True):
             wp.launch(
-                group_speed_kernel(self._real), dim=len(largest), inputs=[values], outputs=[largest],
+                group_maximum_kernel(self._real, GROUP), dim=len(largest), inputs=[values], outputs=[largest],
                 device=self._device,
             )  # fmt: skip
         wp.launch(

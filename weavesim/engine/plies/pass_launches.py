@@ -17,7 +17,7 @@ from ...kernels.plies.collect import (
     survey_groups_kernel,
     survey_struct,
 )
-from ...kernels.plies.data import blocks_per_call, listed_struct, record_struct
+from ...kernels.plies.data import FAR, blocks_per_call, listed_struct, record_struct
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.own_search import follow_own_facets_kernel
 from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
@@ -29,7 +29,7 @@ from ...kernels.plies.search import (
 )
 from ..layout import lanes_view
 from ..state import State
-from .pass_model import NEVER, PassModel
+from .pass_model import PassModel
 
 
 class PassLaunches:
@@ -39,7 +39,7 @@ class PassLaunches:
         model: constants of the pass.
         state: of the run.
         index: of the pass.
-        squared_speeds: largest squared speed of every group of blocks of every sheet, written by ``group_speed``.
+        squared_speeds: largest squared speed of every group of blocks of every sheet, written by ``PlyLaunches``.
         normals: of every sheet, written by ``surface_normals``.
     """
 
@@ -97,7 +97,7 @@ class PassLaunches:
         watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
         watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
         # the first update makes the boxes
-        watch.drift = wp.full(1, NEVER, dtype=self._real, device=device)
+        watch.drift = wp.full(1, float(FAR), dtype=self._real, device=device)
         watch.low, watch.high = (
             wp.zeros(self.facet_group_count, dtype=self.model.types.vec3, device=device) for _ in range(2)
         )

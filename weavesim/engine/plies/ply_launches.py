@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import warp as wp
 
-from ...kernels.plies.collect import group_speed_kernel, watch_speed_kernel
+from ...kernels.plies.collect import GROUP, watch_speed_kernel
 from ...kernels.plies.own_search import SLOT_COUNT
+from ...kernels.stepping.step import group_maximum_kernel
 from ..creases.crease_launches import CreaseLaunches
 from ..model import Model
 from ..state import State
@@ -121,7 +122,7 @@ class PlyLaunches:
     def _find_group_speeds(self, index: int) -> None:
         sheet, largest = self._model.sheets[index], self._group_speeds[index]
         wp.launch(
-            group_speed_kernel(sheet.real), dim=len(largest), inputs=[self._speeds[index]], outputs=[largest],
+            group_maximum_kernel(sheet.real, GROUP), dim=len(largest), inputs=[self._speeds[index]], outputs=[largest],
             device=sheet.device,
         )  # fmt: skip
 

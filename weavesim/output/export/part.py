@@ -50,6 +50,7 @@ class ShellMesh:
 
     @property
     def element_count(self) -> int:
+        """Elements of all kinds."""
         return sum(len(cells.labels) for cells in self.cells)
 
     @cached_property

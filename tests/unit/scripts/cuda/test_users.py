@@ -8,7 +8,7 @@ from weavesim.app.command_line import SCENES, default_setups
 from weavesim.device import initialise
 from weavesim.fabric.presets import UNIT_CELLS
 
-OF_CPU = {"flush_subnormals", "restore_subnormals", "barrier", "group_maximum"}
+OF_CPU = {"flush_subnormals", "restore_subnormals", "barrier", "count_rounds"}
 OF_GPU = {"check_clock", "partial_maximum", "partial_sums"}
 
 

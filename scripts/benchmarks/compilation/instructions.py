@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from ...shared.kernel_content import content_of
-from ...shared.report import table, write_json
+from ...shared.report import table
 
 if TYPE_CHECKING:
     import warp as wp
 
 # Processors with AVX-512, all of whose features a compiler may use without asking this one.
 PROCESSOR = "x86-64-v4"
-PRECISIONS = ("float32", "float64")
-RECORD = Path(__file__).resolve().parents[3] / "tests" / "data" / "instructions.json"
 
 
 @contextmanager
@@ -67,84 +62,24 @@ def instruction_names(kernel: wp.Kernel, processor: str = PROCESSOR) -> list[str
 
 
 def step_kernels(precision: str) -> dict[str, wp.Kernel]:
-    """The kernels in sixteen lanes whose instructions are recorded, by name; nothing is compiled.
-
-    Forces, nodes and stable step of the default double dome, its contact between nodes, forces and stable step with a
-    cell that is given by its energy, and contact of plies and its search.
-    """
+    """Kernels of the forces, the nodes and the stable step of the default double dome in sixteen lanes, by name."""
+    from weavesim import Simulation
     from weavesim.app.command_line import default_setups
-    from weavesim.engine.compilation import KernelSet
-    from weavesim.fabric.presets import UNIT_CELLS
+    from weavesim.engine.launches import SheetKernels
+    from weavesim.engine.setup import Solver
     from weavesim.kernels.lane_types import CPU_LANE_COUNT
 
-    def kernels(scene: str, cell: str | None = None, **parameters: object) -> dict[str, wp.Kernel]:
-        """Of a scene with one lane of everything, by the names of their functions."""
-        setups = default_setups([scene], precision=precision, **parameters)
-        solver = setups[0].solver.model_copy(update={"device": "cpu", "lane_count": CPU_LANE_COUNT, "threads": 1})
-        own = [setup.model_copy(update={"solver": solver}) for setup in setups[:1]]
-        found = KernelSet.of_setups(own, UNIT_CELLS[cell]() if cell else None).kernels()
-        return {kernel.key.rpartition("__")[2]: kernel for kernel in reversed(found)}
+    (setup,) = default_setups(["double-dome"], precision=precision)
+    solver = Solver(precision=precision, device="cpu", lane_count=CPU_LANE_COUNT, threads=1)
+    kernels = SheetKernels.of(Simulation(setup.model_copy(update={"solver": solver})).model.sheet)
+    return {"forces": kernels.forces, "nodes": kernels.nodes, "stable step": kernels.frequencies}
 
-    dome, twill, stack = kernels("double-dome"), kernels("double-dome", "twill"), kernels("stack")
-    return {
-        "forces": dome["element_forces"],
-        "nodes": dome["node_motion"],
-        "stable step": dome["element_frequencies"],
-        "contact between nodes": dome["surface_contact"],
-        "forces, twill": twill["element_forces"],
-        "stable step, twill": twill["element_frequencies"],
-        "contact of plies": stack["meet_plies"],
-        "search for feet": stack["seek_feet"],
+
+def instructions() -> None:
+    """Machine instructions of the kernels of a step of the default double dome, for processors with AVX-512."""
+    counts = {
+        precision: {name: instruction_count(kernel) for name, kernel in step_kernels(precision).items()}
+        for precision in ("float32", "float64")
     }
-
-
-def content(kernel: wp.Kernel) -> str:
-    """Hash of all that the instructions of a kernel follow from, but for Warp and its compiler."""
-    with compiled_for(kernel, PROCESSOR):
-        return content_of(kernel, lambda option: "cuda" in option)
-
-
-@dataclass(frozen=True)
-class Count:
-    """Instructions of a kernel, and the content for which they were counted."""
-
-    content: str
-    instructions: int
-
-
-def read_counts(path: Path = RECORD) -> tuple[str, dict[str, dict[str, Count]]]:
-    """The version of Warp, and the counts by precision and name of the kernel."""
-    stored = json.loads(path.read_text(encoding="utf-8"))
-    counts = {precision: {name: Count(*each) for name, each in stored[precision].items()} for precision in PRECISIONS}
-    return stored["warp"], counts
-
-
-def instruction_table() -> str:
-    """What is recorded, as Markdown."""
-    _, counts = read_counts()
-    names = dict.fromkeys(name for of in counts.values() for name in of)
-    rows = [[name, *(f"{of[name].instructions:,}" if name in of else "" for of in counts.values())] for name in names]
-    return table([f"kernel, {PROCESSOR}", *counts], rows, right=True)
-
-
-def instructions(
-    record: Annotated[bool, typer.Option(help="count what has changed since the record, and write it anew")] = False,
-) -> None:
-    """Machine instructions of the kernels of a step for processors with AVX-512, from the record."""
-    if record:
-        import warp as wp
-
-        from weavesim.device import initialise
-
-        initialise()
-        before, known = read_counts() if RECORD.exists() else ("", {})
-        new: dict[str, object] = {"warp": wp.config.version}
-        for precision in PRECISIONS:
-            counts: dict[str, tuple[str, int]] = {}
-            for name, kernel in step_kernels(precision).items():
-                now, was = content(kernel), known.get(precision, {}).get(name)
-                same = was is not None and was.content == now and before == wp.config.version
-                counts[name] = (now, was.instructions if was and same else instruction_count(kernel))
-            new[precision] = counts
-        write_json(RECORD, new)
-    typer.echo(instruction_table())
+    rows = [[name, *(str(of[name]) for of in counts.values())] for name in counts["float32"]]
+    typer.echo(table([f"kernel, {PROCESSOR}", *counts], rows, right=True))

@@ -3,6 +3,7 @@
 import os
 import platform
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import pytest
@@ -261,13 +262,12 @@ def test_threads_that_share_a_core_give_it_away_at_barriers():
     load_kernel(_wait_and_count, device)
     replay = Replay(device, thread_count)
 
-    def wait(thread):
-        for _ in range(turns):
-            wp.launch(_wait_and_count, 1, [counter, thread_count, spins[thread : thread + 1]], device=device)
+    def wait(own):
+        wp.launch(_wait_and_count, 1, [counter, thread_count, own], device=device)
 
-    graphs = [[replay.record(lambda thread=thread: wait(thread), thread)] for thread in range(thread_count)]
+    graphs = [replay.record_rounds(partial(wait, spins[k : k + 1]), k) for k in range(thread_count)]
     with one_core():
-        replay.run(graphs)
+        replay.run(graphs, turns)
     assert counter.numpy()[0] == thread_count * turns
     # 400 before a core is given away at all, and 64 before it is again
     assert spins.numpy().sum() / (thread_count * turns) < 4000

@@ -5,10 +5,12 @@ import pytest
 from scripts.benchmarks.cuda.prediction import (
     BANDWIDTH_SHARE,
     CYCLES,
+    EVERY_STEP,
     H100,
     H200,
+    MOVED,
+    REFRESHED,
     SHORTEST,
-    STEPS,
     Device,
     Work,
     kernel_time,
@@ -60,11 +62,10 @@ def test_a_step_is_its_kernels_and_a_twentieth_of_the_refresh_or_its_bytes():
 
 
 def test_a_case_is_predicted_from_its_own_kernels():
-    every_step, refresh, moved = STEPS["free patch"]
     needs = {90: Resources(128, 0, 2000)}
-    entries = [Entry(name, "float64", ("free patch",), name, needs) for name in (*every_step, *refresh)]
+    entries = [Entry(name, "float64", ("free patch",), name, needs) for name in (*EVERY_STEP, *REFRESHED)]
     one = predicted(Record("1.0", entries), H100, "free patch", 1000, "float64")
     work = Work(128, 2000, double=True)
-    assert (one.step, one.bound) == step_time([work] * 2, [work] * 3, 2.0 * moved, 1000, H100)
+    assert (one.step, one.bound) == step_time([work] * 2, [work] * 3, MOVED["free patch"]["float64"], 1000, H100)
     with pytest.raises(ValueError, match="node_motion of the free patch"):
         predicted(Record("1.0", entries[:1]), H100, "free patch", 1000, "float64")

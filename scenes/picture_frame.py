@@ -31,14 +31,12 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from .fabric_test import DIRECTOR_DAMPING, STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from .scene import Scene
 
 # Time to apply the yarn tension, and to start and to stop the crosshead, as a share of the time of its stroke.
 TENSION_TIME = 10.0e-3
 RAMP_SHARE = 0.2
-# Directors are held at the frame and should not move in a plane sheet [1/s].
-DIRECTOR_DAMPING = 1.0e4
 LARGEST_TENSION_STRETCH = 1.05
 # Along a side, with yarns that are not parallel to the sides: aligned yarns shear evenly, and any mesh is exact.
 SMALLEST_ELEMENT_COUNT = 4

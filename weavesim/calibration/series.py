@@ -67,7 +67,7 @@ class Series:
 
     @property
     def loading(self) -> tuple[np.ndarray, np.ndarray]:
-        """x and y up to the first turning point."""
+        """x and y up to the first turning point, (k,) each."""
         end = first_reversal(self.x)
         return self.x[:end], self.y[:end]
 
@@ -116,8 +116,8 @@ def in_order(series: Series) -> Series:
     if after < LEAST_BRANCH:
         raise series.fault(
             f"{x[turning[-1] + 1]:.4g} after {x[turning[-1]]:.4g}: {'a single row' if after == 1 else f'{after} rows'} "
-            f"after a turn, where a branch has at least {LEAST_BRANCH}: out of place, or an unloading that was cut off? "
-            "Put the rows in order, or leave these out",
+            f"after a turn, where a branch has at least {LEAST_BRANCH}: out of place, or an unloading that was cut off?"
+            " Put the rows in order, or leave these out",
             turning[-1] + 1, 0,
         )  # fmt: skip
     if turning and x[0] > x.min() + 0.5 * np.ptp(x):

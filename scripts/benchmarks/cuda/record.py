@@ -87,6 +87,10 @@ class Record:
         """Whether a kernel of this content has been recorded with this version of Warp."""
         return warp == self.warp and any(entry.content == found for entry in self.entries)
 
+    def has(self, kernel: str, precision: str, users: Iterable[str]) -> bool:
+        """Whether a kernel of this name has been recorded for just these users, however it has changed since."""
+        return (kernel, precision, (*users,)) in {(one.kernel, one.precision, one.users) for one in self.entries}
+
     def bound(self, kernel: str, precision: str, users: Iterable[str], architecture: int) -> Resources | None:
         """The most that a kernel of this name may need for each of its users; None if one of them is not recorded.
 

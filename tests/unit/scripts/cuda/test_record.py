@@ -47,7 +47,7 @@ def test_no_kernel_that_has_changed_needs_more_than_its_record(record):
             name = short_name(kernel)
             if name in names or record.knows(content(kernel), wp.config.version):
                 continue
-            if record.bound(name, "float32", users, 90):
+            if record.has(name, "float32", users):
                 names.add(name)
                 changed[kernel] = users
     assert not faults(changed, 90, lambda name, users: record.bound(name, "float32", users, 90))
@@ -115,6 +115,7 @@ def test_a_kernel_is_held_to_the_least_of_its_users_and_they_to_their_largest():
     for unknown in (("forces", "float32"), ("nodes", "float64")):
         assert record.bound(*unknown, ["dome"], 80) is None
     assert record.bound("nodes", "float32", ["dome", "sphere"], 80) is None
+    assert record.has("nodes", "float32", ["stack"]) and not record.has("nodes", "float32", ["dome"])
     assert excess(Resources(255, 1000, 1), None) == []
 
 

@@ -122,6 +122,7 @@ QUANTITIES: dict[str, Row] = {
     "couple": Row("moment at a node", "N m", (0.0, 1.0e9), (0.0, 1.0e4)),
     "yarn tension": Row("tension of a yarn family per width", "N/m", (0.0, 1.0e9), (1.0e-3, 1.0e6)),
     "pressure": Row("pressure on a sheet", "Pa", (0.0, 1.0e10), (1.0, 1.0e8)),
+    "holder pressure": Row("pressure of a tool that a force moves on a sheet", "Pa", (0.0, 1.0e10), (50.0, 2.0e6)),
     "strain ratio": Row("strain of the weft over that of the warp", "1", (0.0, 1.0e3), (0.0, 20.0)),
     "load factor": Row("force of a machine over that of its frame", "1", (1.0e-3, 1.0e3), (0.05, 20.0)),
     "mass": Row("mass that a force moves", "kg", (1.0e-9, 1.0e7), (1.0e-6, 1.0e4)),

@@ -255,6 +255,7 @@ def test_a_mesh_of_triangles_gives_its_outline(tmp_path):
         (OBJ + "f 1 4 5 2\n", 'unit = "mm"\nslits = [[[0, 0], [1, 1]]]', "a mesh of quadrilaterals has its own"),
         (OBJ + "f 1 4 5 2\nf 4 7 8\n", 'unit = "mm"', "contains cells that are no elements of a blank"),
         (OBJ, 'unit = "mm"', "has no"),
+        (OBJ + "f 1 4 5 2\n", 'unit = "m"', r'1000 times too big\); scale it to metres \(unit = "mm"\)'),
     ],
 )
 def test_a_broken_mesh_is_refused_with_its_place(tmp_path, content, further, message):

@@ -64,9 +64,8 @@ def _resumed(out: Path, job: Job, content: Content, threads: int | None, device:
     from ..run.checkpoint.job import going_on, unpacked_options
     from .run_into_folder import run_into_folder
 
-    record = record_of(out)
-    _check_unchanged(out, job.setup, record.get("setup_hash"))
-    if (guard := record.get("stopped_by")) is not None:
+    _check_unchanged(out, job.setup)
+    if (guard := record_of(out).get("stopped_by")) is not None:
         job = going_on(job, content, job_path(out), str(guard))
     job = replace(job, setup=_elsewhere(job.setup, threads, device))
     if name := job.origin.get("scene"):
@@ -81,13 +80,12 @@ def _resumed(out: Path, job: Job, content: Content, threads: int | None, device:
     return run_into_folder(job.setup, folder, options=job.options, job=job, resumes=True, reads_frames=False)
 
 
-def _check_unchanged(out: Path, setup: Setup, recorded: object) -> None:
+def _check_unchanged(out: Path, setup: Setup) -> None:
     """Check that nobody has edited the set-up in a folder: a run goes on with the one that it began with.
 
     Args:
         out: the folder.
         setup: that the run began with.
-        recorded: hash of the one that was written, which may have other threads; None if it is not known.
 
     Raises:
         InputError: it was edited.
@@ -102,9 +100,11 @@ def _check_unchanged(out: Path, setup: Setup, recorded: object) -> None:
         if path.exists():
             logger.warning("%s: the run goes on with the set-up that it began with, which is written anew", error)
         return
-    if found.content_hash in (setup.content_hash, recorded):
+    if found == setup:
         return
     changed = list(islice(_changes(json.loads(setup.to_json()), json.loads(found.to_json())), MOST_CHANGES))
+    if not changed:
+        return
     raise InputError(
         f"folder {out}: {SETUP_NAME} is not the set-up that the run began with ({'; '.join(changed)}), and a run goes "
         f"on with that one; to go on, remove the file, which is written anew; for a run of the changed one, give it to "
@@ -113,10 +113,12 @@ def _check_unchanged(out: Path, setup: Setup, recorded: object) -> None:
 
 
 def _changes(before: Any, after: Any, place: str = "") -> Iterator[str]:
-    """Where two values as JSON has them differ."""
+    """Where two values as JSON has them differ, but for what a resume may choose anew."""
     if isinstance(before, dict) and isinstance(after, dict):
         for key in sorted({*before, *after}):
-            yield from _changes(before.get(key), after.get(key), f"{place}.{key}" if place else key)
+            own = f"{place}.{key}" if place else key
+            if own not in ("solver.threads", "solver.device"):
+                yield from _changes(before.get(key), after.get(key), own)
     elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         for index, (old, new) in enumerate(zip(before, after, strict=True)):
             yield from _changes(old, new, f"{place}[{index}]")

@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..documents import parse_json
 from ..errors import InputError
 from ..input_files import read_bounded
 
@@ -95,14 +96,12 @@ def _check_unchanged(out: Path, setup: Setup) -> None:
 
     path = out / SETUP_NAME
     try:
-        found = type(setup).from_json(read_bounded(path, "set-up", LARGEST_SETUP))
-    except (InputError, OSError) as error:
+        found = parse_json(read_bounded(path, "set-up", LARGEST_SETUP))
+    except (InputError, ValueError, RecursionError) as error:
         if path.exists():
-            logger.warning("%s: the run goes on with the set-up that it began with, which is written anew", error)
+            logger.warning("%s: %s: the run goes on with the set-up that it began with, written anew", path, error)
         return
-    if found == setup:
-        return
-    changed = list(islice(_changes(json.loads(setup.to_json()), json.loads(found.to_json())), MOST_CHANGES))
+    changed = list(islice(_changes(json.loads(setup.to_json()), found), MOST_CHANGES))
     if not changed:
         return
     raise InputError(

@@ -133,7 +133,7 @@ def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, ca
     # one that is damaged, as after a power failure, is told, and nobody's wish is lost with it
     path.write_text("{")
     assert resume_folder(tmp_path)["outcome"] == "finished"
-    assert "the run goes on with the set-up that it began with" in caplog.text
+    assert "the run goes on with the set-up that it began with, written anew" in caplog.text
     assert path.read_text() == original
 
 

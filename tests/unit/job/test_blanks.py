@@ -165,8 +165,8 @@ def test_a_drawing_in_another_unit_is_asked_about_before_it_is_meshed(tmp_path):
     drawing(tmp_path / "blank.dxf", plate, unit=6)  # metres
     with pytest.raises(InputError, match=r"a ply of 200 x 160 m has about 319,.* elements of 0.01 m: check the unit"):
         job_with(tmp_path, "blank.dxf")
-    with pytest.raises(InputError, match="has about 3,200,000 elements of 0.0001 m"):
-        setup_of(read_job(write_tray(tmp_path), ["ply.mesh_size=0.1 mm"]))
+    with pytest.raises(InputError, match="has about 1,500,000 elements of 0.0002 m"):
+        setup_of(read_job(write_tray(tmp_path), ["ply.mesh_size=0.2 mm", 'ply.rectangle=["0.3 m", "0.2 m"]']))
 
 
 def elements_area(blank):

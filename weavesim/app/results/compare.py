@@ -106,6 +106,8 @@ def _with_points(sheets: Sequence[StoredSheet], path: Path, scale: float | None)
     for note in points.notes:
         say(f"note: {note}")
     found = [compare_points(sheet, points) for sheet in sheets]
+    for note in dict.fromkeys(note for each in found for note in each.notes):
+        say(f"note: {note}")
     return [(each.numbers(), partial(_write, write_point_comparison, each)) for each in found]
 
 

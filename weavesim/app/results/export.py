@@ -28,7 +28,8 @@ def export_command(
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(help='of the files: "m" (m, N, Pa) or "mm" (mm, N, t, MPa) [default: m]')
+        str | None,
+        typer.Option(help='of the decks: "m" (m, N, Pa) or "mm" (mm, N, t, MPa), and of centres in csv [default: m]'),
     ] = None,
     whole: Annotated[bool, typer.Option("--whole", help="add the mirrored copies of a sheet cut at symmetry")] = False,
     yarns: Annotated[

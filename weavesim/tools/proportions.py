@@ -39,7 +39,7 @@ def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool], symmetry: Symmet
                 sentence = (
                     f"tool {tool.name} is {size:.4g} m across, {times} as the blank of sheet {sheet.name}, "
                     f"{blank:.4g} m; usual are {low:g} to {high:g} times: check both units "
-                    f"({unit_wish(1.0e-3)} for millimetres)"
+                    f"(mm, inch; {unit_wish(1.0e-3)} for millimetres)"
                 )
                 if USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
                     logger.warning("%s", sentence)

@@ -272,7 +272,7 @@ def number_array(name: str, value: Any) -> np.ndarray:
 
 
 def whole_numbers(quads: Any) -> np.ndarray:
-    """Corner nodes of elements as int32; an InputError unless they are whole numbers."""
+    """Corner nodes of elements as int32, of the shape given; an InputError unless they are whole numbers."""
     given = number_array("blank mesh: elements", quads)
     wrong = ~((np.abs(given) < 2.0**31) & (given == np.rint(given)))
     if wrong.any():

@@ -159,7 +159,7 @@ def ends_at(coordinate: np.ndarray, tolerance: float) -> bool:
 
 
 def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Border edges in the direction of their faces."""
+    """Border edges, (k, 2) vertices, in the direction of their faces."""
     count = int(faces.max()) + 1
     at_border = np.zeros(count, dtype=bool)
     at_border[border.ravel()] = True

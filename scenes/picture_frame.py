@@ -146,7 +146,7 @@ class PictureFrame:
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
     def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
-        """Half the angle at the pulled hinges [rad], from the displacement of the upper one [m]."""
+        """Half the angle at the pulled hinges [rad], from displacements of the upper one [m], of their shape."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
     def support(self, blank: Blank, nodes: np.ndarray) -> Support:
@@ -193,7 +193,7 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
 
 
 def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
-    """The specimen, with a corner at the top, and its clamped nodes."""
+    """The specimen, with a corner at the top, and indices of its clamped nodes, (k,)."""
     half = 0.5 * parameters.side + parameters.arm_length
     count = max(2, round(parameters.side / parameters.mesh_size))
     arm_count = math.ceil(parameters.arm_length / (parameters.side / count) - 1.0e-9)

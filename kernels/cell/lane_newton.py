@@ -37,6 +37,7 @@ def found_names(formulas: CellFormulas) -> list[str]:
 
 
 def follow_name(unknown: int, strain: int) -> str:
+    """Name of the derivative of an unknown by a strain, both by their numbers."""
     return f"unknown{unknown}_by_strain{strain}"
 
 

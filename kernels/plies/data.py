@@ -1,4 +1,12 @@
-"""Data of one pass of an interface: the nodes of one ply on the facets of another."""
+"""Data of one pass of an interface: the nodes of one ply, the slave, on the facets of another, the master.
+
+A node's *foot* is its closest point on the facets, along their interpolated normal; it *stands* there where it is
+pressed. A *stray* has none, or has just found one and is in no list of a facet yet. A *way* is how far a node, or all
+of a block or a group, may move before it has to be looked at again; 0 where it is watched. A block *sleeps* whose way
+lasts beyond the next update, and *wakes* when it no longer does; a sheet is *awake* while anything is near enough to
+touch it. Groups of nodes and facets *hang together* that are connected by a short way on the flat blank. docs/plies.md
+has the formulas.
+"""
 
 from functools import cache
 from typing import Any

@@ -67,7 +67,7 @@ class Series:
 
     @property
     def loading(self) -> tuple[np.ndarray, np.ndarray]:
-        """x and y up to the first turning point."""
+        """x and y up to the first turning point, (k,) each."""
         end = first_reversal(self.x)
         return self.x[:end], self.y[:end]
 

@@ -87,6 +87,10 @@ class Replay:
 
     def repeat(self, launch: Callable[[], None], times: int, thread: int = 0) -> None:
         """Launch ``times`` times; within a recording on a CPU, ``launch`` is called once."""
+        if not self._device.is_cpu:
+            for _ in range(times):
+                launch()
+            return
         left = self._left[thread, 1:2]
         wp.launch(count_rounds, dim=1, inputs=[0, times], outputs=[left], device=self._device)
         self._loop(launch, left)

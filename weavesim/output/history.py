@@ -136,7 +136,7 @@ class History:
 
     @property
     def energy_ratios(self) -> dict[str, np.ndarray]:
-        """Sizes of ratios by which a quasi-static run is judged, by what they are [%].
+        """Sizes of ratios by which a quasi-static run is judged, by what they are, (frame_count,) each [%].
 
         Not a number where the lower energy is below a thousandth of its largest, or the ratio is zero.
         """

@@ -67,7 +67,7 @@ class Pressure(Parameters):
             )
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """Pressures at ``times`` [s], in Pa."""
+        """Pressures [Pa] at ``times`` (n,) [s], (n,)."""
         return np.interp(times, self.times, self.pressures)
 
     def acts_on(self, element_count: int) -> np.ndarray:

@@ -221,7 +221,7 @@ class _Change:
 
 
 def rates(sheet: SheetModel, state: SheetState) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and spins of the nodes."""
+    """Velocities [m/s] and spins [rad/s] of the nodes, (node_count, 3) each."""
     vectors = sheet.read_motion(state.motion)[:, : sheet.blank.node_count].astype(np.float64)
     return vectors[MotionRow.velocity.vector], vectors[MotionRow.spin.vector]
 

@@ -118,7 +118,7 @@ class Fit:
 
     @cached_property
     def chosen(self) -> np.ndarray:
-        """Indices of the unknowns that have an interval."""
+        """Indices of the unknowns that have an interval, (c,)."""
         return np.flatnonzero(self.is_free & ~self.at_bound)
 
     @cached_property

@@ -18,7 +18,7 @@ from .mirror_launches import MirrorLaunches
 from .mirror_model import MirrorModel
 from .normals import NormalLaunch
 from .own_search import OwnSearch
-from .pass_launches import PassLaunches, group_count
+from .pass_launches import FacetLaunches, PassLaunches, group_count
 from .ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
 
 
@@ -47,12 +47,13 @@ class PlyLaunches:
             for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
-        self._passes = [
+        self._passes: list[PassLaunches] = [
             MirrorLaunches(each, state, index, self._group_speeds, normals)
             if isinstance(each, MirrorModel)
-            else PassLaunches(each, state, index, self._group_speeds, normals)
+            else FacetLaunches(each, state, index, self._group_speeds, normals)
             for index, each in enumerate(model.passes)
         ]
+        self._on_facets = [each for each in self._passes if isinstance(each, FacetLaunches)]
         self._own = {
             each.place.slave: OwnSearch(
                 each,
@@ -102,7 +103,7 @@ class PlyLaunches:
 
     def push(self, sheet: int, first: int, count: int, ring: CornerRing | None = None) -> None:
         """Reactions on ``count`` blocks of elements of a sheet from ``first``, after their own forces."""
-        for each in self._passes:
+        for each in self._on_facets:
             if each.model.place.master == sheet:
                 each.push(first, count, None if ring is None else ring.at(first))
 
@@ -134,7 +135,7 @@ class PlyLaunches:
             for each in self._passes:
                 each.plan()
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             each.bound(*chunks(each.facet_group_count, thread_count)[thread])
         for index in self._sought:
             count = self._model.sheets[index].block_count
@@ -143,7 +144,7 @@ class PlyLaunches:
         yield
         yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:
-            if each.model.is_own:
+            if isinstance(each, FacetLaunches) and each.model.is_own:
                 found = self._own[each.model.place.slave].found
                 each.follow(found, *chunks(each.node_block_count, thread_count)[thread])
             each.seek(*chunks(each.node_block_count, thread_count)[thread])
@@ -154,11 +155,11 @@ class PlyLaunches:
                 each.collect()
         self._search_creases(5, thread_count, thread)
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             each.list_nodes(*chunks(each.facet_block_count, thread_count)[thread])
         self._search_creases(6, thread_count, thread)
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
             each.adopt(facets[thread], nodes[thread])
         self._search_creases(7, thread_count, thread)

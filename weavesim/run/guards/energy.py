@@ -130,7 +130,7 @@ class HourglassEnergy(_Placed):
     advice = "refine the mesh"
 
     def most(self, ledger: SheetLedger) -> tuple[float, np.ndarray]:
-        """Of an element."""
+        """Hourglass energy of the element that has most of it [J], and where that is on the flat blank, (2,) [m]."""
         return ledger.largest_energy("hourglass")
 
 

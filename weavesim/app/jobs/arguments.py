@@ -39,7 +39,7 @@ def asked_of_a_job(*, sets: bool = True) -> Iterator[None]:
     except InputError as error:
         answer = ACCEPTING_IN_JOB
         if sets:
-            answer = f"{answer.removesuffix('.')}, or give --set accept_unusual=true."
+            answer = f"{answer.removesuffix('.')}, or --set accept_unusual=true."
         told = str(error).replace(ACCEPTING_IN_JOB, answer).replace(ACCEPTING, answer)
         if told == str(error):
             raise

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import unit_wish
 from ..meshes.numbering import each_once
 from ..ranges import QUANTITIES
 from .topology import doubled_normals, part_of_nodes
@@ -95,7 +96,7 @@ def check_arrays(position: np.ndarray, quads: np.ndarray, names: Names = ROWS) -
     if extent > _LARGEST_EXTENT_M:
         raise InputError(
             f"{names.mesh}: it is {extent:.4g} m wide, as a blank of {extent:.4g} mm read as metres would be "
-            "(1000 times too big); scale it to metres (unit_scale=0.001)"
+            f"(1000 times too big); scale it to metres ({unit_wish(1.0e-3)})"
         )
 
 

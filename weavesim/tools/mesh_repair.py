@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import unit_wish
 from ..ranges import QUANTITIES
 from .mesh_topology import directed_edges, labels
 
@@ -213,10 +214,10 @@ def check_size(name: str, vertices: np.ndarray, unit_scale: float = 1.0) -> None
     if size > LARGEST_SIZE:
         raise InputError(
             f"{name} is {size:.4g} m across, above {LARGEST_SIZE:g} m: it is probably in millimetres and 1000 times "
-            "too big. Give unit_scale=0.001 for millimetres."
+            f"too big. Give {unit_wish(1.0e-3)} for millimetres."
         )
     if size < SMALLEST_SIZE:
         raise InputError(
-            f"{name} is {size:.4g} m across, below {SMALLEST_SIZE:g} m: "
-            f"unit_scale, the metres per unit of the file, is {unit_scale:g} and seems too small."
+            f"{name} is {size:.4g} m across, below {SMALLEST_SIZE:g} m: its unit seems too small. Give "
+            f"{unit_wish(1.0)} for metres, {unit_wish(1.0e-3)} for millimetres."
         )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...errors import InputError
+from ...input_files import IN_COMMAND, units_given_as
 from ..terminal import say
 
 if TYPE_CHECKING:
@@ -110,6 +111,7 @@ def _with_points(sheets: Sequence[StoredSheet], path: Path, scale: float | None)
     return [(each.numbers(), partial(_write, write_point_comparison, each)) for each in found]
 
 
+@units_given_as(IN_COMMAND)
 def _with_scan(sheets: Sequence[StoredSheet], path: Path, scale: float | None) -> list[_Found]:
     from ...output.comparison.runs import compare_scan, write_comparison
 

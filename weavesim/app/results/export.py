@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from ...errors import InputError
+from ...input_files import IN_COMMAND, units_given_as
 from ..terminal import say
 
 
@@ -89,6 +90,7 @@ def _tell_verdict(run: Path) -> None:
         say(f'note: the verdict of this run is "{verdict}"; weavesim view {run} tells why')
 
 
+@units_given_as(IN_COMMAND.replace("unit", "edge-unit"))
 def _drawings(
     run: Path,
     flat: Path | None,
@@ -120,6 +122,7 @@ def _drawings(
     return write
 
 
+@units_given_as(IN_COMMAND)
 def _formats(
     run: Path,
     to: str,

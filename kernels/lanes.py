@@ -195,6 +195,10 @@ for _types in ALL_LANE_TYPES:
 
 # --- scalars in lanes -------------------------------------------------------------------------------------------------
 
+# Lane by lane: ``square_root``, ``power`` by one exponent, ``magnitude`` |a|, and of two the ``larger`` and the
+# ``smaller``, which are ``b`` where a lane of ``a`` or ``b`` is not a number. What they do is said here and not in
+# them: their text is a part of the hash of every kernel.
+
 
 @wp.func
 def fill(like: Any, value: Any):
@@ -265,6 +269,9 @@ def inverses(a: Any, b: Any):
 
 
 # --- 3-vectors in lanes -----------------------------------------------------------------------------------------------
+
+# A row of lanes for each component. ``from_rows`` puts such rows together; ``dot`` is a.b and ``cross`` is a x b, lane
+# by lane.
 
 
 @wp.func

@@ -20,19 +20,15 @@ from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
 from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
-from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
-from weavesim.process.supports import Drive, Support
 from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
-from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from .fabric_test import FabricTestParameters, chosen_fabric, of_curves, pulled_strip
 from .scene import Scene
 
 RAMP_SHARE = 0.2
-DIRECTOR_DAMPING = 1.0e4
 # Across the width: the zone boundaries are one element wide.
 SMALLEST_ELEMENT_COUNT = 8
 
@@ -132,19 +128,7 @@ def bias_extension(
         blank = Blank.rectangle(
             (-half_length, -half_width), (half_length, half_width), parameters.mesh_size, yarn_angle=45.0
         )
-    stroke = clamp_stroke(parameters)
-    x = blank.node_position[:, 0]
-    ends = [np.flatnonzero(np.abs(x - place) < 1.0e-9) for place in (-half_length, half_length)]
-    supports = (
-        Support("clamp", ends[0]),
-        Support("moving_clamp", ends[1], (Drive(stroke, np.array([1.0, 0.0, 0.0])),)),
-    )
-    return Setup(
-        "bias_extension", sheets=(Sheet(blank, fabric, supports=supports),),
-        dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        duration=stroke.duration, frame_count=parameters.frame_count, solver=parameters.solver(step_safety=STEP_SAFETY),
-        accept_unusual=parameters.accept_unusual,
-    )  # fmt: skip
+    return pulled_strip("bias_extension", parameters, fabric, blank, clamp_stroke(parameters), parameters.damping)
 
 
 def clamp_stroke(parameters: BiasExtensionParameters) -> SmoothStroke:

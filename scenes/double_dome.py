@@ -290,12 +290,15 @@ def wanted(parameters: DoubleDomeParameters, setup: Setup) -> Wanted:
     """The ten points of the paper, and the measured data.
 
     Raises:
-        InputError: a file that cannot be read.
+        InputError: a file that cannot be read, or is probably in another unit.
     """
+    angles, outline, accept = parameters.measured_angles, parameters.measured_outline, parameters.accept_unusual
     return Wanted(
         points=ten_points(0.5 * BLANK_LENGTH, 0.5 * BLANK_WIDTH),
-        measured_angles=load_measured_angles(parameters.measured_angles) if parameters.measured_angles else None,
-        measured_outline=load_measured_outline(parameters.measured_outline) if parameters.measured_outline else None,
+        measured_angles=load_measured_angles(angles, accept_unusual=accept) if angles else None,
+        measured_outline=load_measured_outline(outline, reach=0.5 * BLANK_LENGTH, accept_unusual=accept)
+        if outline
+        else None,
     )
 
 

@@ -31,14 +31,12 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from .fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from .fabric_test import DIRECTOR_DAMPING, STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from .scene import Scene
 
 # Time to apply the yarn tension, and to start and to stop the crosshead, as a share of the time of its stroke.
 TENSION_TIME = 10.0e-3
 RAMP_SHARE = 0.2
-# Directors are held at the frame and should not move in a plane sheet [1/s].
-DIRECTOR_DAMPING = 1.0e4
 LARGEST_TENSION_STRETCH = 1.05
 # Along a side, with yarns that are not parallel to the sides: aligned yarns shear evenly, and any mesh is exact.
 SMALLEST_ELEMENT_COUNT = 4
@@ -148,7 +146,7 @@ class PictureFrame:
         self.flat_diagonal = math.sqrt(2.0) * flat_side
 
     def half_angle(self, displacement: np.ndarray | float) -> np.ndarray:
-        """Half the angle at the pulled hinges [rad], from the displacement of the upper one [m]."""
+        """Half the angle at the pulled hinges [rad], from displacements of the upper one [m], of their shape."""
         return np.arccos(math.sqrt(0.5) + np.asarray(displacement) / (2.0 * self.side))
 
     def support(self, blank: Blank, nodes: np.ndarray) -> Support:
@@ -195,7 +193,7 @@ def tension_stretch(fabric: Fabric, tension: float) -> float:
 
 
 def specimen(parameters: PictureFrameParameters) -> tuple[Blank, np.ndarray]:
-    """The specimen, with a corner at the top, and its clamped nodes."""
+    """The specimen, with a corner at the top, and indices of its clamped nodes, (k,)."""
     half = 0.5 * parameters.side + parameters.arm_length
     count = max(2, round(parameters.side / parameters.mesh_size))
     arm_count = math.ceil(parameters.arm_length / (parameters.side / count) - 1.0e-9)

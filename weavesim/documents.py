@@ -104,9 +104,13 @@ def _reason(error: ValueError, text: str, suffix: str) -> str:
     place = re.search(r"at line (\d+)", str(error))
     if text.lstrip().startswith("{"):
         hint = "; it looks like JSON: let its name end in .json"
-    elif place and not str(error).startswith("Cannot"):  # that is said well enough
+    elif place:
         line = text.split("\n")[int(place[1]) - 1][:10_000]
-        hint = next((f"; {advice}" for pattern, advice in _NO_TOML if pattern.search(line)), "")
+        if not str(error).startswith("Cannot"):
+            hint = next((f"; {advice}" for pattern, advice in _NO_TOML if pattern.search(line)), "")
+        elif match := _KEY.match(line) or _TABLE.match(line):  # it has a value already
+            key = dotted(_parts(match["key"]))
+            hint = f"; {key} is given twice, leave one of them out"
     return f"no valid TOML: {shown(error)}{hint}"
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path, PureWindowsPath
 
 from .errors import InputError
@@ -19,6 +23,28 @@ _KINDS = (
 def shown(text: object) -> str:
     """``text`` for a message, on one line and printable: other characters are escaped, so that nobody forges lines."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(text))
+
+
+# How a user gives the unit of a file: to a function, in a job, and to a command.
+IN_PYTHON, IN_JOB, IN_COMMAND = "unit_scale={metres:g}", 'unit = "{name}"', "--unit {name}"
+_UNITS = {0.001: "mm", 0.01: "cm", 0.0254: "inch", 0.3048: "ft", 1.0: "m", 1.0e-6: "um"}
+_units_given: ContextVar[str] = ContextVar("units_given", default=IN_PYTHON)
+
+
+@contextmanager
+def units_given_as(form: str) -> Iterator[None]:
+    """Have messages say how to give the unit of a file in one of the forms above."""
+    token = _units_given.set(form)
+    try:
+        yield
+    finally:
+        _units_given.reset(token)
+
+
+def unit_wish(metres: float) -> str:
+    """What a user gives for a file whose unit is so many metres, as by ``units_given_as``."""
+    name = next((name for size, name in _UNITS.items() if math.isclose(size, metres, rel_tol=1.0e-6)), None)
+    return (IN_PYTHON if name is None else _units_given.get()).format(metres=metres, name=name)
 
 
 def path_of(path: object, what: str) -> Path:

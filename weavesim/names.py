@@ -1,4 +1,4 @@
-"""Names that users give: of runs, which become names of files, and of sheets, tools, supports and fabrics."""
+"""Names that users give: of runs, which become names of files, of sheets, tools, supports and fabrics; of classes."""
 
 from __future__ import annotations
 
@@ -64,3 +64,15 @@ def file_name(what: str, value: str) -> str:
         return _file_name(value)
     except ValueError as error:
         raise InputError(f"{what} = {value[:LONGEST_LABEL]!r}: {error}") from None
+
+
+def enter(known: dict[str, type], name: str, kind: type, what: str) -> None:
+    """Enter a class among those ``known`` by name; one that is defined anew takes its own place.
+
+    Raises:
+        TypeError: another class has this name; ``what`` both are is in the message.
+    """
+    other = known.get(name)
+    if other and (other.__module__, other.__qualname__) != (kind.__module__, kind.__qualname__):
+        raise TypeError(f"{what} {name}: {other.__module__} already has one of this name")
+    known[name] = kind

@@ -122,6 +122,7 @@ QUANTITIES: dict[str, Row] = {
     "couple": Row("moment at a node", "N m", (0.0, 1.0e9), (0.0, 1.0e4)),
     "yarn tension": Row("tension of a yarn family per width", "N/m", (0.0, 1.0e9), (1.0e-3, 1.0e6)),
     "pressure": Row("pressure on a sheet", "Pa", (0.0, 1.0e10), (1.0, 1.0e8)),
+    "holder pressure": Row("pressure of a tool that a force moves on a sheet", "Pa", (0.0, 1.0e10), (50.0, 2.0e6)),
     "strain ratio": Row("strain of the weft over that of the warp", "1", (0.0, 1.0e3), (0.0, 20.0)),
     "load factor": Row("force of a machine over that of its frame", "1", (1.0e-3, 1.0e3), (0.05, 20.0)),
     "mass": Row("mass that a force moves", "kg", (1.0e-9, 1.0e7), (1.0e-6, 1.0e4)),
@@ -192,7 +193,7 @@ class Quantity:
         # within rounding of a bound is at the bound
         if size is None or size == 0.0 or low * (1.0 - 1.0e-9) <= size <= high * (1.0 + 1.0e-9):
             return None
-        return f"usual are {low:.4g} to {high:.4g}{_unit(self.row)}{slip(size, self.row, '; ')}"
+        return f"usual are {low:.4g} to {high:.4g}{unit_after(self.row)}{slip(size, self.row, '; ')}"
 
 
 def looks_like_radians(angle: float) -> bool:
@@ -222,9 +223,9 @@ def illegal(value: Any, row: Row) -> str | None:
     # of several numbers, the largest; small ones among them are natural
     which = "" if isinstance(value, int | float) else f"the largest is {size:.4g}; "
     if size > high * (1.0 + 1.0e-9):
-        return f"{which}at most {high:.4g}{_unit(row)} is allowed{slip(size, row, ': ')}"
+        return f"{which}at most {high:.4g}{unit_after(row)} is allowed{slip(size, row, ': ')}"
     if size < low:
-        return f"{which}at least {low:.4g}{_unit(row)} is needed{slip(size, row, ': ')}"
+        return f"{which}at least {low:.4g}{unit_after(row)} is needed{slip(size, row, ': ')}"
     return None
 
 
@@ -245,7 +246,8 @@ def slip(size: float, row: Row, before: str) -> str:
     return ""
 
 
-def _unit(row: Row) -> str:
+def unit_after(row: Row) -> str:
+    """The unit of a row behind a number: "" for a plain one."""
     return "" if row.unit == "1" else f" {row.unit.replace('m/unit', 'metres per unit')}"
 
 
@@ -268,8 +270,13 @@ def argument(name: str, value: Any, quantity: str, *, zero: bool = False, negati
     if problem := illegal(number, row):
         raise InputError(f"{name} = {number:.6g}: {problem}")
     if question := Quantity(quantity).unusual(number):
-        logger.warning("%s = %.6g%s is unusual: %s", name, number, _unit(row), question)
+        logger.warning("%s = %.6g%s is unusual: %s", name, number, unit_after(row), question)
     return number
+
+
+def size_told(value: Any) -> str:
+    """A number, or the largest of several, for a message."""
+    return f"{value:.6g}" if isinstance(value, int | float) else f"up to {largest_size(value):.6g}"
 
 
 def quantity_of(field: FieldInfo) -> Quantity | None:
@@ -296,8 +303,7 @@ def unusual_values(value: Any, place: str = "") -> Iterator[str]:
         item, where = getattr(value, name), f"{place}.{name}" if place else name
         quantity = quantity_of(field)
         if quantity is not None and (question := quantity.unusual(item)):
-            shown = f"{item:.6g}" if isinstance(item, int | float) else f"up to {largest_size(item):.6g}"
-            yield f"{where} = {shown}{_unit(quantity.row)}: {question}"
+            yield f"{where} = {size_told(item)}{unit_after(quantity.row)}: {question}"
         yield from unusual_values(item, where)
     for sentence in value.disproportions():
         yield f"{place}: {sentence}" if place else sentence
@@ -305,6 +311,7 @@ def unusual_values(value: Any, place: str = "") -> Iterator[str]:
 
 ACCEPTING = "If this is meant, give accept_unusual=True (on the command line --accept-unusual)."
 ACCEPTING_IN_FILE = "If this is meant, write accept_unusual = true in the file."
+ACCEPTING_IN_JOB = "If this is meant, write accept_unusual = true at the top of the job."
 # More are not listed.
 LONGEST_LIST = 12
 
@@ -320,12 +327,15 @@ def check_usual(value: Any, place: str = "", answer: str = ACCEPTING) -> None:
     Raises:
         ValueError: there are some.
     """
-    found = list(unusual_values(value, place))
-    if not found:
-        return
+    if found := list(unusual_values(value, place)):
+        raise ValueError(question_of(found, answer))
+
+
+def question_of(found: list[str], answer: str) -> str:
+    """One message of sentences about unusual values, at least one, with how to answer."""
     listed = "\n  ".join(found[:LONGEST_LIST] + (["and more"] if len(found) > LONGEST_LIST else []))
     what = "a value is unusual, probably in another unit" if len(found) == 1 else f"{len(found)} values are unusual"
-    raise ValueError(f"{what}:\n  {listed}\n{answer}")
+    return f"{what}:\n  {listed}\n{answer}"
 
 
 def read_parameters(kind: type[Kind], path: str | Path, what: str) -> Kind:

@@ -10,7 +10,7 @@ from ..stepping.supports import piecewise_cubic
 from ..stepping.tools import (
     ToolBooks,
     ToolDrives,
-    add,
+    book,
     move_tool_function,
     total_force,
     wait_for_block,
@@ -148,7 +148,7 @@ def carried_motion_kernel(real: type):
             new_velocity, new_spin = carry_tool(k, carriers, way, next_time, step, motion.pose)
             # as in ``move_tool``: the travel at the instant of the forces is the mean of two half steps
             work = half * (wp.dot(total, velocity + new_velocity) + wp.dot(moment, spin + new_spin))
-            add(books.work, ToolWorkRow.carrying, k, -work)
+            book(books.work, ToolWorkRow.carrying, k, -work)
         wait_for_block()
         if thread == 0:
             clock[ClockEntry.time] = next_time

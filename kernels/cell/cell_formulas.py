@@ -110,6 +110,7 @@ def cell_formulas(fields: Sequence[tuple[str, int]], unknown_count: int, functio
 
 
 def numbers(graph: Graph, *values: float) -> list[Expression]:
+    """Numbers as constants of a graph."""
     return [graph.number(value) for value in values]
 
 

@@ -7,7 +7,8 @@ unknowns q with dpsi/dq = 0. Kernels are generated for one cell, with its functi
 ``energy_cell`` makes a cell from one scalar function. Its derivatives are from ``wp.grad`` unless given, second
 derivatives from differences of the first. It works in double precision whatever the precision of the run, lane by
 lane: differences, and energies that are compared, then have sufficient digits, and single precision only rounds input
-and output.
+and output. A cell works like this where its energy cannot be read as a formula, which a warning says; where it can,
+``energy_lanes`` makes the cell, for all lanes at once and with exact derivatives.
 """
 
 from dataclasses import dataclass
@@ -283,6 +284,8 @@ def solution_functions(
 
 
 def energies_function(cell: CellEnergy, parts_of: wp.Function, part_count: int, lane_state: wp.Function) -> wp.Function:
+    """wp.func ``energies`` of the ``CellLaw``, one lane at a time."""
+
     @wp.func
     def energies(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
         values = parts_of(p, lane_state(strain1, strain2, angle, q, 0))
@@ -295,6 +298,8 @@ def energies_function(cell: CellEnergy, parts_of: wp.Function, part_count: int, 
 
 
 def tangent_function(condensed: wp.Function, lane_state: wp.Function) -> wp.Function:
+    """wp.func ``tangent`` of the ``CellLaw``, of one lane."""
+
     @wp.func
     def lane(like: Any, value: real):
         return type(like)(like.dtype(value))
@@ -321,6 +326,7 @@ def tangent_function(condensed: wp.Function, lane_state: wp.Function) -> wp.Func
 
 
 def snap_loss_function(cell: CellEnergy, lane_state: wp.Function) -> wp.Function:
+    """wp.func ``snap_loss`` of the ``CellLaw``, one lane at a time."""
     n, energy_of, gradient_of = cell.unknown_count, cell.energy, cell.gradient
 
     @wp.func

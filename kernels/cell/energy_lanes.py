@@ -3,7 +3,7 @@
 The functions of a cell are read as formulas; their derivatives are exact, and what is computed in every iteration is
 compiled as one loop over the lanes. All of it is in double precision whatever the precision of the run: energies that
 are compared, and stiff members in balance, then have sufficient digits, and single precision only rounds input and
-output.
+output. ``energy_law`` makes a cell lane by lane (``energy_cell``) where its energy cannot be read.
 """
 
 import logging
@@ -190,6 +190,7 @@ def state_function(n: int) -> wp.Function:
 
 @cache
 def solve_function(n: int, slope_count: int, equilibrium: wp.Function) -> Any:
+    """wp.func ``solve`` of the ``CellLaw``, of all lanes."""
     first_slope = FIRST_UNKNOWN + n
 
     @wp.func
@@ -251,6 +252,8 @@ def follow_function(n: int, followed: tuple[tuple[int, int], ...]) -> wp.Functio
 
 
 def energies_function(parts: wp.Function, state_of: wp.Function, part_count: int) -> Any:
+    """wp.func ``energies`` of the ``CellLaw``, of all lanes."""
+
     @wp.func
     def energies(p: Any, strain1: Any, strain2: Any, angle: Any, q: Any, area: Any):
         values = parts(p, state_of(strain1, strain2, angle, q))
@@ -299,6 +302,8 @@ def tangent_functions(
 
 
 def snap_loss_function(n: int, slopes: wp.Function, state_of: wp.Function) -> Any:
+    """wp.func ``snap_loss`` of the ``CellLaw``, of all lanes."""
+
     @wp.func
     def snap_loss(p: Any, strain1: Any, strain2: Any, angle: Any, start: Any, q: Any):
         jump = fill(strain1, 0.0)

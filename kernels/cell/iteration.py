@@ -157,4 +157,5 @@ def undone_share(
 
 
 def dot(graph: Graph, first: Sequence[Expression], second: Sequence[Expression]) -> Expression:
+    """Sum of the products of two rows of expressions."""
     return graph.sum((1.0, a * b) for a, b in zip(first, second, strict=True))

@@ -1,6 +1,7 @@
 """Equilibrium of the unknowns of cells in all lanes at once, and the tangent there, in double precision.
 
-The state x of the lanes is a matrix with the rows of ``state_names``.
+The state x of the lanes is a matrix with the rows of ``state_names``. This serves cells whose energy can be read as a
+formula (``energy_lanes``), with exact derivatives; ``newton`` serves the others.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -36,6 +37,7 @@ def found_names(formulas: CellFormulas) -> list[str]:
 
 
 def follow_name(unknown: int, strain: int) -> str:
+    """Name of the derivative of an unknown by a strain, both by their numbers."""
     return f"unknown{unknown}_by_strain{strain}"
 
 

@@ -1,6 +1,7 @@
 """Equilibrium of an energy's unknowns by a safeguarded Newton method, and the condensed tangent.
 
-In double precision, one cell at a time. Second derivatives are finite differences of the gradient.
+In double precision, one cell at a time. Second derivatives are finite differences of the gradient. This serves cells
+whose energy cannot be read as a formula (``energy_cell``); ``lane_newton`` serves all others.
 """
 
 from dataclasses import dataclass

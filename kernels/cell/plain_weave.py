@@ -150,6 +150,9 @@ def equilibrium(cell: Any, strain1: Any, strain2: Any, start: Any):
     )
 
 
+# What follows are the functions of the law, as ``CellLaw`` describes them.
+
+
 @wp.func
 def solve(cell: Any, strain1: Any, strain2: Any, angle: Any, start: Any, answer: Any):
     w, n1, n2, pressure, energy, residual, iterations, slopes = equilibrium(cell, strain1, strain2, start)

@@ -14,6 +14,8 @@ NO_ARGUMENT = wp.constant(0)  # Coulomb: one coefficient
 PRESSURE = wp.constant(1)  # [Pa]
 YARN_ANGLE = wp.constant(2)  # between the warps in touch [rad]
 HERSEY = wp.constant(3)  # viscosity times speed over pressure [m]
+# Smallest argument of a law that has met none yet; the largest is its opposite.
+UNMET = wp.constant(1.0e30)
 
 # Below this pressure nothing is said about a Hersey number [Pa].
 LEAST_PRESSURE = wp.constant(1.0)

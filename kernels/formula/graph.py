@@ -46,6 +46,7 @@ class Expression:
 
     @property
     def is_number(self) -> bool:
+        """Whether it is a constant."""
         return self.kind == "number"
 
     def is_equal(self, number: float) -> bool:
@@ -95,13 +96,16 @@ class Graph:
         return found
 
     def number(self, value: float) -> Expression:
+        """A constant."""
         # zero has one sign
         return self._make("number", float(value) + 0.0)
 
     def wrap(self, value: Expression | float) -> Expression:
+        """An expression as it is, and a number as a constant."""
         return value if isinstance(value, Expression) else self.number(value)
 
     def symbol(self, name: str, *, uniform: bool = False) -> Expression:
+        """A variable, by its name."""
         return self._make("symbol", name, uniform=uniform)
 
     # --- sums and products --------------------------------------------------------------------------------------------
@@ -217,11 +221,13 @@ class Graph:
         return first if first is second else self._make("choice", None, condition, first, second)
 
     def comparison(self, name: str, first: Expression, second: Expression) -> Expression | bool:
+        """Whether a comparison, such as "<", holds; true or false of two constants."""
         if first.is_number and second.is_number:
             return bool(COMPARISONS[name](first.value, second.value))
         return self._make("comparison", name, first, second)
 
     def negation(self, condition: Expression | bool) -> Expression | bool:
+        """The opposite of a condition."""
         return self._make("not", None, condition) if isinstance(condition, Expression) else not condition
 
     def combination(self, name: str, conditions: Sequence[Expression | bool]) -> Expression | bool:
@@ -235,12 +241,15 @@ class Graph:
         return open_ones[0] if len(open_ones) == 1 else self._make(name, None, *open_ones)
 
     def larger(self, a: Expression, b: Expression) -> Expression:
+        """The larger of two."""
         return self.choice(self.comparison(">", a, b), a, b)
 
     def smaller(self, a: Expression, b: Expression) -> Expression:
+        """The smaller of two."""
         return self.choice(self.comparison("<", a, b), a, b)
 
     def magnitude(self, a: Expression) -> Expression:
+        """|a|."""
         return self.choice(self.comparison("<", a, self.number(0.0)), -a, a)
 
 

@@ -46,6 +46,11 @@ class Reader:
         self.depth = 0
 
     def call(self, function: wp.Function, arguments: list[Any], named: dict[str, Any]) -> Any:
+        """What a function returns for these arguments: an expression, or a vector of them.
+
+        Raises:
+            Unreadable: it does what cannot be followed, is too long, or calls too deeply.
+        """
         source = function.func
         overloads = (*function.user_overloads.values(), *function.user_templates.values())
         if source is None or function.native_snippet is not None or len({one.func for one in overloads}) > 1:
@@ -71,6 +76,7 @@ class Reader:
         return result
 
     def refusal(self, reason: str) -> Unreadable:
+        """An error with the line that is followed."""
         return Unreadable(f"line {self.line}: {reason}")
 
 
@@ -106,6 +112,7 @@ class Frame(Values):
         return None
 
     def simple(self, statement: ast.stmt) -> None:
+        """Follow an assignment, or a line that does nothing."""
         match statement:
             case ast.Assign(targets=[target], value=value):
                 self.assign(target, self.value(value))
@@ -120,6 +127,7 @@ class Frame(Values):
                 raise self.reader.refusal(f"the statement {ast.unparse(statement)!r} is not followed")
 
     def assign(self, target: ast.expr, value: Any) -> None:
+        """Keep a value under a name, as a component of a vector, or a tuple under several names."""
         match target:
             case ast.Name(id=name):
                 self.local[name] = value
@@ -156,6 +164,7 @@ class Frame(Values):
         return False, None
 
     def loop(self, statement: ast.For) -> Any:
+        """What the function returns within a loop over a range of known length; None if it goes on."""
         over = self.value(statement.iter)
         if not isinstance(over, range) or statement.orelse:
             raise self.reader.refusal("a loop is followed only over a range of known length")

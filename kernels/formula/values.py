@@ -50,6 +50,11 @@ class Values:
         self.local, self.around = local, around
 
     def value(self, node: ast.expr) -> Any:
+        """Value of an expression of the source: a number, an expression of the graph, a vector, a function, a module.
+
+        Raises:
+            Unreadable: it is not followed.
+        """
         match node:
             case ast.Constant(value=value) if isinstance(value, (bool, int, float)):
                 return value
@@ -80,6 +85,7 @@ class Values:
         raise self.reader.refusal(f"{ast.unparse(node)!r} is not followed")
 
     def named(self, name: str) -> Any:
+        """What a name stands for."""
         if name in self.local:
             return self.local[name]
         if name in self.around:
@@ -87,6 +93,7 @@ class Values:
         raise self.reader.refusal(f"{name!r} is not known here")
 
     def attribute(self, node: ast.Attribute) -> Any:
+        """A parameter of the cell, a component of a vector, or what a module has under a name."""
         owner = self.value(node.value)
         if isinstance(owner, Parameters):
             if node.attr not in owner.members:
@@ -99,6 +106,7 @@ class Values:
         raise self.reader.refusal(f"{ast.unparse(node)!r} is not followed")
 
     def component(self, vector: Any, place: Any) -> Any:
+        """A component of a vector, by its place."""
         if not isinstance(vector, tuple):
             raise self.reader.refusal("only vectors have components")
         return vector[self.whole(place)]
@@ -114,6 +122,7 @@ class Values:
     # --- operators ----------------------------------------------------------------------------------------------------
 
     def signed(self, op: ast.unaryop, value: Any) -> Any:
+        """Opposite of a value, or of a condition."""
         if isinstance(op, ast.Not):
             return self.graph.negation(self.condition(value))
         if isinstance(op, ast.USub) and (isinstance(value, Vector) or not isinstance(value, tuple)):
@@ -123,6 +132,7 @@ class Values:
         raise self.reader.refusal(f"the operator {type(op).__name__} is not followed")
 
     def operation(self, op: ast.operator, a: Any, b: Any) -> Any:
+        """Of two numbers, expressions or vectors."""
         if isinstance(a, tuple) or isinstance(b, tuple):
             return self.of_vectors(op, a, b)
         if not isinstance(a, Expression) and not isinstance(b, Expression):
@@ -145,6 +155,7 @@ class Values:
         raise self.reader.refusal(f"the operator {type(op).__name__} of vectors is not followed")
 
     def of_numbers(self, op: ast.operator, a: Any, b: Any) -> Any:
+        """Of two numbers that are known: whole ones stay whole, as in Warp."""
         if not isinstance(a, (int, float)) or not isinstance(b, (int, float)):
             raise self.reader.refusal("numbers are needed")
         whole = isinstance(a, int) and isinstance(b, int)
@@ -160,6 +171,7 @@ class Values:
         raise self.reader.refusal(f"the operator {type(op).__name__} of {a} and {b} is not followed")
 
     def comparison(self, left: ast.expr, operations: Sequence[ast.cmpop], rights: Sequence[ast.expr]) -> Any:
+        """Whether all comparisons of a chain hold."""
         values = [self.scalar(self.value(one)) for one in (left, *rights)]
         if any(type(operation) not in COMPARISON_NAMES for operation in operations):
             raise self.reader.refusal("this comparison is not followed")
@@ -171,6 +183,7 @@ class Values:
     # --- calls --------------------------------------------------------------------------------------------------------
 
     def called(self, node: ast.Call) -> Any:
+        """What a call returns; functions of the user are followed."""
         function = self.value(node.func)
         if any(isinstance(argument, ast.Starred) for argument in node.args):
             raise self.reader.refusal("a list of arguments is not followed")
@@ -196,6 +209,7 @@ class Values:
         return BUILTINS[name](self, *arguments)
 
     def vector(self, kind: Any, arguments: list[Any]) -> Vector:
+        """A vector of a kind from its components, from another one, or from one value for all."""
         if len(arguments) == 1 and isinstance(arguments[0], tuple):
             arguments = list(arguments[0])
         elif len(arguments) <= 1:
@@ -207,11 +221,13 @@ class Values:
     # --- kinds of values ----------------------------------------------------------------------------------------------
 
     def scalar(self, value: Any) -> Expression:
+        """A number or an expression as an expression."""
         if isinstance(value, (Expression, bool, int, float)):
             return self.graph.wrap(value)
         raise self.reader.refusal("a number is needed")
 
     def condition(self, value: Any) -> Expression | bool:
+        """A value as a condition: what is not zero holds."""
         if isinstance(value, Expression) and value.kind not in CONDITIONS:
             return self.graph.comparison("!=", value, self.graph.number(0.0))
         if isinstance(value, (Expression, bool)):
@@ -221,6 +237,7 @@ class Values:
         raise self.reader.refusal("a condition is needed")
 
     def whole(self, value: Any) -> int:
+        """A whole number that is known."""
         if isinstance(value, Expression) and value.is_number and float(value.value).is_integer():
             return int(value.value)
         if isinstance(value, int):
@@ -228,6 +245,7 @@ class Values:
         raise self.reader.refusal("a whole number that is known is needed")
 
     def scalars(self, vector: Any) -> Iterator[Expression]:
+        """The components of a vector as expressions."""
         if not isinstance(vector, tuple):
             raise self.reader.refusal("a vector is needed")
         return (self.scalar(component) for component in vector)

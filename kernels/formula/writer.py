@@ -26,6 +26,7 @@ class Constants:
         return len(self._places)
 
     def place(self, expression: Expression) -> int:
+        """Place of an expression, a new one where it has none."""
         return self._places.setdefault(expression, len(self._places))
 
     def values(self, symbols: Mapping[str, Any]) -> list[float]:

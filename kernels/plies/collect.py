@@ -55,22 +55,6 @@ def watch_speed_kernel(real: type, lane_count: int):
 
 
 @cache
-def group_speed_kernel(real: type):
-    """Kernel over groups of blocks of nodes: their largest squared speed [m^2/s^2]; or the largest of other values."""
-
-    @wp.kernel(module="unique", enable_backward=False)
-    def group_speed(squared_speed: wp.array(dtype=real), largest: wp.array(dtype=real)):
-        group = wp.tid()
-        first = group * GROUP
-        result = real(0.0)
-        for block in range(first, wp.min(first + GROUP, squared_speed.shape[0])):
-            result = wp.max(result, squared_speed[block])
-        largest[group] = result
-
-    return group_speed
-
-
-@cache
 def survey_groups_kernel(real: type):
     """Kernel over groups of blocks of nodes."""
     Watch, Survey = watch_struct(real), survey_struct(real)

@@ -1,4 +1,12 @@
-"""Data of one pass of an interface: the nodes of one ply on the facets of another."""
+"""Data of one pass of an interface: the nodes of one ply, the slave, on the facets of another, the master.
+
+A node's *foot* is its closest point on the facets, along their interpolated normal; it *stands* there where it is
+pressed. A *stray* has none, or has just found one and is in no list of a facet yet. A *way* is how far a node, or all
+of a block or a group, may move before it has to be looked at again; 0 where it is watched. A block *sleeps* whose way
+lasts beyond the next update, and *wakes* when it no longer does; a sheet is *awake* while anything is near enough to
+touch it. Groups of nodes and facets *hang together* that are connected by a short way on the flat blank. docs/plies.md
+has the formulas.
+"""
 
 from functools import cache
 from typing import Any
@@ -11,6 +19,8 @@ from .facet import facets_struct
 
 # Way of nodes without a foot that never seek one by themselves [m].
 UNSOUGHT = wp.constant(1.0e30)
+# Farther than anything of a sheet [m]: corners of a box that holds nothing yet.
+FAR = wp.constant(1.0e30)
 # Blocks of a call on a CPU: a call on one block that sleeps would cost more than the look at it.
 _BLOCKS_PER_CALL = 16
 # Penetration of a node that has no foot [m].

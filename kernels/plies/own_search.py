@@ -13,7 +13,7 @@ from ..lane_types import lane_types
 from ..operators import add, div, mul, sub  # noqa: F401
 from ..pass_entries import PassEntry
 from ..rows import MotionRow, PlyRow
-from .data import NO_DEPTH, UNSOUGHT, record_struct
+from .data import FAR, NO_DEPTH, UNSOUGHT, record_struct
 from .facet import facets_struct, find_foot, normal_at, patch_at, patch_functions, sagitta
 from .search import search_struct, watch_struct
 from .within import LEAST_COSINE, LEAST_SQUARED_MEAN, flat_patch_function
@@ -45,6 +45,7 @@ def bounds_struct(real: type):
         high: wp.array(dtype=vec3)
         axis: wp.array(dtype=vec3)  # unit vector amid their normals
         spread: wp.array(dtype=real)  # largest angle of a normal from it [rad]
+        room: real  # by which their boxes are larger: nodes are so far from where their edges touch [m]
 
     return Bounds
 
@@ -134,8 +135,8 @@ def bound_groups_kernel(real: type):
         if entry[PassEntry.sought] == wp.float64(0.0):
             return
         group = first_group + wp.tid()
-        low = vec3(real(1.0e30))
-        high = vec3(real(-1.0e30))
+        low = vec3(real(FAR))
+        high = vec3(-real(FAR))
         total = vec3()
         for place in range(bounds.node.shape[0]):
             node = bounds.node[place, group]
@@ -145,8 +146,8 @@ def bound_groups_kernel(real: type):
                 high = wp.max(high, position)
                 total = total + normal_of(points, node)
         axis = wp.normalize(total)
-        bounds.low[group] = low
-        bounds.high[group] = high
+        bounds.low[group] = low - vec3(bounds.room)
+        bounds.high[group] = high + vec3(bounds.room)
         bounds.axis[group] = axis
         bounds.spread[group] = spread_of(points, bounds, group, axis)
 

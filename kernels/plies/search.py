@@ -16,7 +16,7 @@ from ..pass_entries import PassEntry
 from ..records import SCALAR, record3, record4, store_record4, vector_of
 from ..rows import MOTION_RECORD_LENGTH, PLY_RECORD_LENGTH, ClockEntry, MotionRow, PlyRow
 from ..stepping.step import fold_works_function
-from .data import LEAST_STRAY, NO_DEPTH, is_missing, listed_struct, record_struct
+from .data import FAR, LEAST_STRAY, NO_DEPTH, UNSOUGHT, is_missing, listed_struct, record_struct
 from .facet import facets_struct, patch_at, patch_functions
 from .stand import settle_function, settling_options
 
@@ -166,8 +166,8 @@ def bound_facets_kernel(real: type):
         group = first_group + wp.tid()
         if watch.drift[0] > real(0.0):
             return
-        low = vec3(real(1.0e30))
-        high = vec3(real(-1.0e30))
+        low = vec3(real(FAR))
+        high = vec3(-real(FAR))
         largest = real(0.0)
         for place in range(search.group.shape[0]):
             facet = search.group[place, group]
@@ -310,7 +310,7 @@ def seek_feet_kernel(real: type, lane_count: int):
     @wp.func
     def free_way(search: Search, reach: real, depth: lanes, stray: lanes):
         """Smallest way of a node of the block from the next update on until it touches [m]; 0 where not known."""
-        result = real(1.0e30)
+        result = real(UNSOUGHT)
         for i in range(lane_count):
             free = stray[i]
             if stray[i] <= real(0.0):

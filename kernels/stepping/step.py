@@ -38,15 +38,18 @@ def partial_maximum_kernel(real: type):
 
 
 @cache
-def group_maximum_kernel(real: type):
-    """The same with one thread per group: on a CPU, tiles of runs side by side would share their memory."""
+def group_maximum_kernel(real: type, group_size: int):
+    """Kernel with one thread per ``group_size`` neighbouring entries, which are not negative: the largest of them.
+
+    On a CPU it does what ``partial_maximum_kernel`` does: there, tiles of runs side by side would share their memory.
+    """
 
     @wp.kernel(module="unique", enable_backward=False)
     def group_maximum(values: wp.array(dtype=real), maxima: wp.array(dtype=real)):
         group = wp.tid()
-        first = group * MAXIMUM_GROUP
+        first = group * group_size
         largest = real(0.0)
-        for i in range(first, wp.min(first + MAXIMUM_GROUP, values.shape[0])):
+        for i in range(first, wp.min(first + group_size, values.shape[0])):
             largest = wp.max(largest, not_lost(values[i]))
         maxima[group] = largest
 

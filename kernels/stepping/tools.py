@@ -200,7 +200,8 @@ def total_force(forces: Any, tool: int):
 
 
 @wp.func
-def add(rows: wp.array2d(dtype=wp.float64), row: int, k: int, value: wp.float64):
+def book(rows: wp.array2d(dtype=wp.float64), row: int, k: int, value: wp.float64):
+    """Add what tool ``k`` gained in this step; not ``add``, by which Warp finds the sum of lanes (operators.py)."""
     rows[row, k] = rows[row, k] + value
 
 
@@ -223,11 +224,11 @@ def watch_tool(
         carried = wp.max(-along * wp.sign(wanted), none)
         watch[ToolWatchRow.most_wanted, k] = wp.max(watch[ToolWatchRow.most_wanted, k], force)
         since = wp.where(peak > none, step, none)
-        add(watch, ToolWatchRow.waited, k, step - since)
-        add(watch, ToolWatchRow.wanted, k, since)
-        add(watch, ToolWatchRow.idle, k, wp.where(carried < wp.float64(0.5) * force, since, none))
-        add(watch, ToolWatchRow.wanted_impulse, k, since * force)
-        add(watch, ToolWatchRow.carried_impulse, k, since * carried)
+        book(watch, ToolWatchRow.waited, k, step - since)
+        book(watch, ToolWatchRow.wanted, k, since)
+        book(watch, ToolWatchRow.idle, k, wp.where(carried < wp.float64(0.5) * force, since, none))
+        book(watch, ToolWatchRow.wanted_impulse, k, since * force)
+        book(watch, ToolWatchRow.carried_impulse, k, since * carried)
 
 
 @wp.func_native("""
@@ -280,7 +281,7 @@ def move_tool_function(waits: bool):
             after, lost, held = stopped(
                 drives, k, displacement[k], before, gained, step * share, clock[ClockEntry.step]
             )
-            add(books.work, ToolWorkRow.damping, k, lost)
+            book(books.work, ToolWorkRow.damping, k, lost)
             # what spacers hold back is not wanted of the sheets
             wanted = wp.where(held, wp.float64(0.0), force)
             new = displacement[k] + clock[ClockEntry.step] * after
@@ -290,8 +291,8 @@ def move_tool_function(waits: bool):
         velocity[k] = after
         # forces are at the current instant, between two half steps: as for a node, the travel is the mean of both
         travel = wp.float64(0.5) * clock[ClockEntry.mean_step] * (before + after)
-        add(books.work, ToolWorkRow.on_sheet, k, -along * travel)
-        add(books.work, ToolWorkRow.driving, k, force * travel)
+        book(books.work, ToolWorkRow.on_sheet, k, -along * travel)
+        book(books.work, ToolWorkRow.driving, k, force * travel)
         return wanted
 
     return move_tool

@@ -27,11 +27,10 @@ from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
 from weavesim.sheet.sheet import Sheet
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from ..fabric_test import DIRECTOR_DAMPING, STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 RAMP_SHARE = 0.2
-DIRECTOR_DAMPING = 1.0e4
 
 YARNS = ("warp", "weft")
 

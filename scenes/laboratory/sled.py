@@ -29,11 +29,10 @@ from weavesim.sheet.sheet import Sheet
 from weavesim.tools.shapes import Plane
 from weavesim.tools.tool import Tool
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from ..fabric_test import DIRECTOR_DAMPING, STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
 from ..scene import Scene
 
 GRAVITY = 9.81
-DIRECTOR_DAMPING = 1.0e4
 # The weight is laid down, then the sled is pulled; of the duration of the pull.
 LAYING_SHARE, RAMP_SHARE = 0.2, 0.3
 # Of the displacement, where the speed is constant: the mean is the kinetic friction.

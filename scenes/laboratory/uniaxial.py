@@ -20,19 +20,15 @@ from weavesim.fabric.fabric import Fabric
 from weavesim.output.curves import Chart, Curves
 from weavesim.output.measured import Comparable, measured_differences
 from weavesim.output.results import Wanted
-from weavesim.process.dynamics import Dynamics
 from weavesim.process.strokes import SmoothStroke
-from weavesim.process.supports import Drive, Support
 from weavesim.ranges import Quantity
 from weavesim.run.frame import Frame
 from weavesim.sheet.blank import Blank
-from weavesim.sheet.sheet import Sheet
 
-from ..fabric_test import STEP_SAFETY, FabricTestParameters, chosen_fabric, of_curves
+from ..fabric_test import FabricTestParameters, chosen_fabric, of_curves, pulled_strip
 from ..scene import Scene
 
 RAMP_SHARE = 0.2
-DIRECTOR_DAMPING = 1.0e4
 # Across the width: the clamps' hold on the yarns across ends within about a width.
 SMALLEST_ELEMENT_COUNT = 4
 # Share of the length around the middle where the strain across is read.
@@ -87,19 +83,7 @@ def uniaxial(parameters: UniaxialParameters, fabric: Fabric | None = None) -> Se
     )  # fmt: skip
     distance = parameters.largest_strain * parameters.length
     stroke = SmoothStroke.ramped(distance, parameters.speed, RAMP_SHARE * distance / parameters.speed)
-    x = blank.node_position[:, 0]
-    ends = [np.flatnonzero(np.abs(x - place) < 1.0e-9) for place in (-half_length, half_length)]
-    supports = (
-        Support("clamp", ends[0]),
-        Support("moving_clamp", ends[1], (Drive(stroke, np.array([1.0, 0.0, 0.0])),)),
-    )
-    return Setup(
-        "uniaxial", sheets=(Sheet(blank, fabric, supports=supports),),
-        dynamics=Dynamics(damping=parameters.damping, director_damping=DIRECTOR_DAMPING),
-        duration=stroke.duration, frame_count=parameters.frame_count,
-        solver=parameters.solver(step_safety=STEP_SAFETY),
-        accept_unusual=parameters.accept_unusual,
-    )  # fmt: skip
+    return pulled_strip("uniaxial", parameters, fabric, blank, stroke, parameters.damping)
 
 
 def record(parameters: UniaxialParameters, fabric: Fabric, blank: Blank) -> Curves:

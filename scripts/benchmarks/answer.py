@@ -65,7 +65,8 @@ def answer(
     typer.echo(
         table(
             ["mesh [mm]", "step", f"angle at {KEPT_SHARE:.0%} [degrees]", "largest", "border [mm]", "steps",
-             "command to summary [s]", "least", "processor time [s]", f"within {ANGLE:g} degrees and {BORDER:g} mm"],
+             "command to summary [s]", "least", "processor time [s]", f"within {ANGLE:g} degrees and {BORDER:g} mm",
+             "verdict"],
             rows,
         )
     )  # fmt: skip
@@ -106,12 +107,12 @@ def _row(contestant: Contestant, found: StoredRun, converged: StoredRun, times: 
     sheet, other = found.sheets[0], converged.sheets[0]
     angles, border = errors(sheet, other)
     kept = float(np.quantile(angles, KEPT_SHARE))
-    steps = recorded_summary(found.folder)["step_count"]
+    summary = recorded_summary(found.folder)
     return [
         f"{1e3 * contestant.mesh_size:g}", f"x {contestant.factor:g}", f"{kept:.2f}", f"{angles.max():.2f}",
-        f"{border.max():.2f}", f"{steps:,}", f"{np.median([each.wall for each in times]):.2f}",
+        f"{border.max():.2f}", f"{summary['step_count']:,}", f"{np.median([each.wall for each in times]):.2f}",
         f"{min(each.wall for each in times):.2f}", f"{np.median([each.processor for each in times]):.2f}",
-        "yes" if kept <= ANGLE and border.max() <= BORDER else "no",
+        "yes" if kept <= ANGLE and border.max() <= BORDER else "no", str(summary["verdict"]),
     ]  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Cases to time: scenes on meshes of several sizes, and free patches of any size.
 
-Both versions of ``benchmark.py against`` create their cases here; differences between versions are detected.
+Both versions of ``benchmark.py against`` create their cases here: versions whose simulations take a ``Setup``.
 """
 
 from __future__ import annotations
@@ -12,28 +12,23 @@ import numpy as np
 
 
 def _double_dome(mesh_size: float, contact_samples: str = "nodes") -> Callable[..., Any]:
-    """Contact at nodes only is that of all earlier measurements; by default these elements meet tools between them."""
+    """A quarter of the double dome; tools meet the nodes, or the ``"surface"`` between them, as the scene has it."""
 
     def build(**options: Any):
+        from weavesim import Simulation
         from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
 
         chosen = options | {"mesh_size": mesh_size, "contact_samples": contact_samples}
-        return _ready(double_dome(DoubleDomeParameters(**chosen)))
+        return Simulation(double_dome(DoubleDomeParameters(**chosen)))
 
     return build
 
 
 def _hemisphere(**options: Any):
+    from weavesim import Simulation
     from weavesim.scenes.hemisphere import HemisphereParameters, hemisphere
 
-    return _ready(hemisphere(HemisphereParameters(**options), "low-bending"))
-
-
-def _ready(made: Any) -> Any:
-    """A scene's set-up as a simulation. Scenes of 0.1 return simulations; ``against`` measures those too."""
-    from weavesim import Simulation
-
-    return made if isinstance(made, Simulation) else Simulation(made)
+    return Simulation(hemisphere(HemisphereParameters(**options), "low-bending"))
 
 
 def _patch(side: int, at_random: bool = False, **numbering: Any) -> Callable[..., Any]:
@@ -72,19 +67,13 @@ def _disc(radius: float) -> Callable[..., Any]:
 
 def _thrown(make_blank: Callable[[], Any]) -> Callable[..., Any]:
     def build(**options: Any):
-        from weavesim import Simulation
+        from weavesim import Setup, Sheet, Simulation, Solver
         from weavesim.fabric import glass_polypropylene
 
         blank = make_blank()
         x, y, _ = blank.node_position.T
         wave = 20.0 * np.pi
         velocity = np.column_stack([np.sin(wave * y), np.sin(wave * x), np.sin(wave * x) * np.sin(wave * y)])
-        try:
-            from weavesim.engine.setup import Setup, Solver
-            from weavesim.sheet.sheet import Sheet
-        except ImportError:  # 0.1, for ``against``
-            options |= {"blank": blank, "fabric": glass_polypropylene(), "initial_velocity": velocity}
-            return Simulation(name="patch", duration=1.0, **options)
         sheet = Sheet(blank, glass_polypropylene(), initial_velocity=velocity)
         return Simulation(Setup("patch", sheets=(sheet,), duration=1.0, solver=Solver(**options)))
 
@@ -111,7 +100,7 @@ CASES: dict[str, Callable[..., Any]] = {
     "disc_11k": _disc(0.3),
     "disc_45k": _disc(0.6),
 }
-# These run only by name: contact between nodes is no case of earlier measurements, 5,000 elements are for a GPU, the
+# These run only by name: contact between nodes is compared with that at nodes, 5,000 elements are for a GPU, the
 # largest need 3 and 30 GB and several minutes, and the last six are about the order of a mesh.
 BY_NAME = (
     "double_dome_5mm_surface",
@@ -129,10 +118,8 @@ DEFAULT_CASES = tuple(name for name in CASES if name not in BY_NAME)
 
 
 def element_count(simulation: Any) -> int:
-    """Number of elements of all its sheets. Simulations of 0.1 have one sheet and no set-up."""
-    setup = getattr(simulation, "setup", None)
-    blanks = [simulation.blank] if setup is None else [sheet.blank for sheet in setup.sheets]
-    return sum(blank.element_count for blank in blanks)
+    """Number of elements of all its sheets."""
+    return sum(sheet.blank.element_count for sheet in simulation.setup.sheets)
 
 
 def warm_up(simulation: Any) -> None:

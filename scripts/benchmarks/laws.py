@@ -1,4 +1,4 @@
-"""Cost of every law relative to the default one, and of every unit cell relative to the plain weave."""
+"""Cost of every law relative to the default one and of every unit cell; what stiffnesses take of the stable step."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from ..shared.machine import machine
-from ..shared.report import line_about
+from ..shared.report import line_about, table
 from .cases import element_count, warm_up
 from .measures import seconds_per_step
 from .ratios import ratio_table
@@ -99,3 +99,42 @@ def measured(variants: dict[str, Any], precision: str, mesh_size: float, turns: 
     count = element_count(simulations[0])
     head = f"\n{count} elements, {precision}, one thread, {turns} turns of {seconds} s\n\n"
     return head + ratio_table(list(variants), 1e9 * times / count)
+
+
+def softened() -> dict[str, Any]:
+    """The default fabric, then with one stiffness a thousandth of what it is."""
+    from weavesim.fabric.presets import glass_polypropylene
+
+    base = glass_polypropylene()
+    bending = base.bending.model_copy(update={"modulus": 1e-3 * base.bending.modulus})
+    yarns = {name: 1e-3 * getattr(base.unit_cell, name) for name in ("warp_modulus", "weft_modulus")}
+    # locking is at most a tenth of the yarns' stiffness
+    soft_locking = base.shear.model_copy(update={"locking_stiffness": 1e-3 * base.shear.locking_stiffness})
+    changes = {
+        "none": {},
+        "transverse shear": {"transverse_shear_modulus": 1e-3 * base.transverse_shear_modulus},
+        "bending": {"bending": bending},
+        "in-plane bending": {"in_plane_bending_stiffness": 1e-3 * base.in_plane_bending_stiffness},
+        "compression": {"compressive_stiffness": 1e-3 * base.compressive_stiffness},
+        "yarns and locking": {"unit_cell": base.unit_cell.model_copy(update=yarns), "shear": soft_locking},
+    }
+    return {name: base.model_copy(update=change) for name, change in changes.items()}
+
+
+def stiffnesses(
+    mesh_size: Annotated[list[float] | None, typer.Option(help="[m]; may be repeated [default: 5 and 2.5 mm]")] = None,
+) -> None:
+    """Stable step of the flat double dome where one stiffness is a thousandth: what an implicit term could gain."""
+    from weavesim.engine.model import Model
+    from weavesim.scenes.double_dome import DoubleDomeParameters, double_dome
+
+    sizes, rows = mesh_size or [0.005, 0.0025], []
+    parameters = [DoubleDomeParameters(mesh_size=size) for size in sizes]
+    first: list[float] = []
+    for name, fabric in softened().items():
+        steps = [Model(double_dome(each, fabric)).reference_step for each in parameters]
+        first = first or steps
+        cells = (f"{1e6 * step:.4g} ({step / whole:.3f})" for step, whole in zip(steps, first, strict=True))
+        rows.append([name, *cells])
+    head = ["a thousandth of", *(f"{1e3 * size:g} mm: stable step [us] (ratio)" for size in sizes)]
+    typer.echo(table(head, rows))

@@ -96,6 +96,11 @@ def state_bytes(simulation: Any) -> float:
 
 def moved_bytes(simulation: Any) -> float:
     """Bytes per element that a step reads and writes if each kernel touches every array once (performance.md)."""
+    return sum(moved_parts(simulation).values())
+
+
+def moved_parts(simulation: Any) -> dict[str, float]:
+    """The parts of ``moved_bytes``."""
     from weavesim.kernels.rows import CORNER_ROW_COUNT, CellReportRow, MotionRow, ThicknessRow
 
     model = simulation.stepper.model.sheet
@@ -103,12 +108,16 @@ def moved_bytes(simulation: Any) -> float:
     flat = 4 * 4 + size * (4 + 2 + 1)
     if not model.sheet_traits.flat:
         flat += size * 8
-    element_reads = flat + per_node * size * 3 * 4
-    element_own = 2 * size * (model.cell_law.unknown_count + model.cell_law.slope_count + CellReportRow.row_count())
-    corners = size * CORNER_ROW_COUNT
+    own_rows = model.cell_law.unknown_count + model.cell_law.slope_count + CellReportRow.row_count()
     slots = model.nodes.corner_offset.shape[0]
-    node_constants = 4 * slots + 4 + size * 4
     thickness = ThicknessRow.row_count() if model.follows_thickness else 0
-    rows = MotionRow.row_count() + len(model.node_work_rows) + thickness + 3 * model.tool_count
-    node_motion = 2 * size * rows
-    return element_reads + element_own + 2 * corners + per_node * (node_constants + node_motion)
+    return {
+        "constants of elements": flat,
+        "motion of nodes, for elements": per_node * size * 3 * 4,
+        "cell: unknowns, report": 2 * size * own_rows,
+        "corners, written and read": 2 * size * CORNER_ROW_COUNT,
+        "constants of nodes": per_node * (4 * slots + 4 + size * 4),
+        "motion of nodes": 2 * per_node * size * (MotionRow.row_count() + thickness),
+        "works": 2 * per_node * size * len(model.node_work_rows),
+        "friction springs of tools": 2 * per_node * size * 3 * model.tool_count,
+    }

@@ -15,7 +15,7 @@ import typer
 from ..shared.machine import machine
 from ..shared.report import line_about, table, write_json
 from .cases import CASES, DEFAULT_CASES, element_count, warm_up
-from .measures import moved_bytes, phases, seconds_per_step, state_bytes
+from .measures import moved_bytes, moved_parts, phases, seconds_per_step, state_bytes
 
 SCRIPT = Path(__file__).resolve().parents[1] / "benchmark.py"
 
@@ -130,3 +130,18 @@ def report(result: dict[str, Any], old: dict[str, Any] | None = None) -> str:
 
 def _key(row: dict[str, Any]) -> tuple[Any, ...]:
     return tuple(row.get(name, True) for name in ("case", "precision", "device", "threads", "avx512"))
+
+
+def counts(
+    case: Annotated[list[str] | None, typer.Option(help=f"one of {', '.join(CASES)}; may be repeated")] = None,
+    precision: Annotated[list[str] | None, typer.Option(help="float32, float64 [default: both]")] = None,
+) -> None:
+    """Bytes per element that a step reads and writes, and that a run keeps, by its arrays; nothing is timed."""
+    columns, names = {}, case or ["patch_10k", "double_dome_2.5mm", "double_dome_10mm"]
+    for one in precision or ["float32", "float64"]:
+        for name in names:
+            simulation = CASES[name](precision=one, threads=1)
+            parts = moved_parts(simulation)
+            columns[f"{name}, {one}"] = parts | {"sum": sum(parts.values()), "state": state_bytes(simulation)}
+    rows = [[part, *(f"{column[part]:.0f}" for column in columns.values())] for part in next(iter(columns.values()))]
+    typer.echo(table(["bytes per element and step", *columns], rows, right=True))

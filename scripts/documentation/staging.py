@@ -19,7 +19,6 @@ OUTSIDE = {
     "CHANGELOG.md": "changes.md",
     "weavesim/fabric/data/README.md": "fabric_data.md",
 }
-PROJECT = "The project"
 LINK = re.compile(r"(?P<mark>!?)\[(?P<text>(?:[^\[\]]|\[[^\]]*\])*)\]\((?P<target>[^)\s]+)\)")
 
 

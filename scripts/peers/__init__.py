@@ -4,8 +4,8 @@
 
 Each contestant runs alone in a separate process on one CPU thread, or on the given device. All get the same nodes,
 masses, initial velocity, gravity, air drag, ball and simulated time. A quadrilateral of weavesim is two triangles in
-Newton. Self-contact is off, since weavesim has none; XPBD, which requires it, has contact between beads on the nodes,
-as thick as the fabric.
+Newton. Self-contact is off in all, weavesim's too, but for XPBD, which requires it: it has contact between beads on the
+nodes, as thick as the fabric.
 
 Settings of Newton's solvers follow its example ``cloth_hanging``, which runs VBD, XPBD and SemiImplicit, and for
 Style3D ``cloth_style3d``, whose garment has a realistic mass: iterations, time step (ten steps per sixtieth of a

@@ -2,12 +2,14 @@
 
 A start takes three seconds of a core: imports, kernels to hash. What a test does to a process, by signals or by leaving
 it, does not depend on how it began; whatever is about the start itself, or about the streams that a shell gives,
-belongs in ``processes.run``.
+belongs in ``processes.run``. Programs that read one file are forked likewise from processes with their libraries, see
+``run_program``: a hundred damaged files take a third of a second each for the start alone.
 """
 
 from __future__ import annotations
 
 import contextlib
+import importlib
 import io
 import json
 import os
@@ -36,11 +38,14 @@ class Fork:
         returncode: None as long as it runs; minus the number of the signal that killed it.
     """
 
-    def __init__(self, server: socket.socket, words: list[str], environment: dict[str, str]) -> None:
+    def __init__(
+        self, server: socket.socket, words: list[str], environment: dict[str, str], largest_file: int | None = None
+    ) -> None:
         self._open = contextlib.ExitStack()
         self._streams = [self._open.enter_context(_nameless_file()) for _ in range(2)]
         reading, writing = os.pipe()
-        request = json.dumps({"words": words, "environment": environment, "folder": os.getcwd()}).encode()
+        asked = {"words": words, "environment": environment, "folder": os.getcwd(), "largest_file": largest_file}
+        request = json.dumps(asked).encode()
         socket.send_fds(server, [request], [*(stream.fileno() for stream in self._streams), writing])
         os.close(writing)
         self._told = self._open.enter_context(os.fdopen(reading, "rb"))
@@ -59,13 +64,18 @@ class Fork:
             self.returncode = int(self._told.readline())
         return self.returncode
 
-    def communicate(self, timeout: float | None = None) -> tuple[str, str]:
-        """What it has said in the end, on standard output and error."""
+    def contents(self, timeout: float | None = None) -> tuple[bytes, bytes]:
+        """What it has written in the end, on standard output and error."""
         self.wait(timeout)
         for stream in self._streams:
             stream.seek(0)
-        out, err = (stream.read().decode(errors="surrogateescape") for stream in self._streams)
+        out, err = (stream.read() for stream in self._streams)
         self._open.close()
+        return out, err
+
+    def communicate(self, timeout: float | None = None) -> tuple[str, str]:
+        """The same as text."""
+        out, err = (content.decode(errors="surrogateescape") for content in self.contents(timeout))
         return out, err
 
     def send_signal(self, number: int) -> None:
@@ -85,18 +95,38 @@ def _nameless_file() -> io.BufferedRandom:
     return os.fdopen(descriptor, "w+b")
 
 
-def fork(words: list[str], environment: dict[str, str]) -> Fork:
-    """Start ``weavesim`` with these words, in this folder."""
-    return Fork(_server(), words, environment)
+def fork(words: list[str], environment: dict[str, str], largest_file: int | None = None) -> Fork:
+    """Start ``weavesim`` with these words, in this folder.
+
+    Args:
+        words: of the command.
+        environment: of its process.
+        largest_file: to which a file of it can grow [bytes], as on a full disk; None for any.
+    """
+    return Fork(_server(), words, environment, largest_file)
+
+
+def run_program(modules: tuple[str, ...], command: list[str], timeout: float) -> subprocess.CompletedProcess:
+    """``python -P PROGRAM WORDS...`` to its end, in a fork of a process that has imported these modules.
+
+    Raises:
+        subprocess.TimeoutExpired: it still runs.
+    """
+    process = Fork(_server(modules), command[command.index("-P") + 1 :], dict(os.environ))
+    try:
+        out, err = process.contents(timeout)
+    finally:
+        process.kill()
+    return subprocess.CompletedProcess(command, process.wait(), out, err)
 
 
 @cache
-def _server() -> socket.socket:
+def _server(modules: tuple[str, ...] = ()) -> socket.socket:
     """The end of a connection to the server; it ends when the connection does, with this process."""
     own, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     with its:
         subprocess.Popen(
-            [sys.executable, "-P", "-m", "tests.support.forks"], stdin=its,
+            [sys.executable, "-P", "-m", "tests.support.forks", *modules], stdin=its,
             env={**os.environ, "PYTHONPATH": str(ROOT)},
         )  # fmt: skip
     return own
@@ -148,6 +178,10 @@ def _serve(requests: socket.socket) -> list[str]:
     os.dup2(err, 2)
     for descriptor in descriptors:
         os.close(descriptor)
+    if (size := asked["largest_file"]) is not None:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
     os.environ.clear()
     os.environ.update(asked["environment"])
     os.chdir(asked["folder"])
@@ -155,6 +189,15 @@ def _serve(requests: socket.socket) -> list[str]:
 
 
 if __name__ == "__main__":
-    _load()
-    sys.argv = ["weavesim", *_serve(socket.socket(fileno=0))]
-    runpy.run_module("weavesim", run_name="__main__", alter_sys=True)
+    modules = sys.argv[1:]
+    for module in modules:
+        importlib.import_module(module)
+    if not modules:
+        _load()
+    words = _serve(socket.socket(fileno=0))
+    if modules:
+        sys.argv = words
+        runpy.run_path(words[0], run_name="__main__")
+    else:
+        sys.argv = ["weavesim", *words]
+        runpy.run_module("weavesim", run_name="__main__", alter_sys=True)

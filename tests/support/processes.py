@@ -41,14 +41,14 @@ def start(*arguments: object, **given: object) -> subprocess.Popen:
     return subprocess.Popen(command(*arguments), **(settings | given))
 
 
-def forked(*arguments: object) -> Fork:
+def forked(*arguments: object, largest_file: int | None = None) -> Fork:
     """Start the command without the time that its start takes, see ``forks.py``."""
-    return fork([str(argument) for argument in arguments], environment())
+    return fork([str(argument) for argument in arguments], environment(), largest_file)
 
 
-def run_forked(*arguments: object) -> subprocess.CompletedProcess:
+def run_forked(*arguments: object, largest_file: int | None = None) -> subprocess.CompletedProcess:
     """The same to its end, with its output as text."""
-    process = forked(*arguments)
+    process = forked(*arguments, largest_file=largest_file)
     out, err = process.communicate(ENOUGH)
     return subprocess.CompletedProcess(arguments, process.wait(), out, err)
 

@@ -11,6 +11,8 @@ from weavesim.sheet.blank import Blank
 from weavesim.sheet.symmetry import WHOLE, Symmetry
 
 THICKNESS = 1.0e-3
+# As a run has them; of other values the unit is of no account here.
+UNITS = {"thickness": "m", "shear_angle_deg": "degrees", "stress_upper": "N/m^2"}
 
 
 def stored_sheet(
@@ -27,7 +29,7 @@ def stored_sheet(
     }
     return StoredSheet(
         name=name, blank=blank, position=position, director=np.tile([0.0, 0.0, 1.0], (blank.node_count, 1)),
-        values={key: ElementValue("", "", value) for key, value in arrays.items()}, thickness=THICKNESS,
+        values={key: ElementValue(UNITS.get(key, ""), "", value) for key, value in arrays.items()}, thickness=THICKNESS,
         symmetry=symmetry, tools=(), fabric="test",
     )  # fmt: skip
 

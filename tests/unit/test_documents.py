@@ -37,7 +37,12 @@ def test_documents_are_read(tmp_path):
         ("kind = MomentCurve", "a text needs quotation marks"),
         ("a: 1", 'TOML has "name = value"'),
         ('{"a": 1}', "it looks like JSON: let its name end in .json"),
-        ("a = 1e-3\na = 2e-3\n", "no valid TOML: Cannot overwrite a value .at line 2, column 9.$"),
+        (
+            "a = 1e-3\na = 2e-3\n",
+            "no valid TOML: Cannot overwrite a value .at line 2, column 9.; a is given twice, leave one of them out$",
+        ),
+        ("[[b]]\na = 1\nc.d = 2\nc.d = 3\n", "at line 4, column 8.; c.d is given twice, leave one of them out$"),
+        ("[a]\nb = 1\n[a]\n", "Cannot declare .*; a is given twice, leave one of them out$"),
         ("a = [[[[[[[[[[[[[[1]]]]]]]]]]]]]]", "line 1: a: nested too deeply"),
         ("a = " + "[" * 50_000, "nested too deeply"),
         ("a = " + "{b=" * 20_000, "nested too deeply"),

@@ -6,7 +6,19 @@ import socket
 import pytest
 
 from weavesim.errors import InputError
-from weavesim.input_files import check_bounded, path_of, read_bounded, shown, within_folder
+from weavesim.input_files import (
+    _UNITS,
+    IN_COMMAND,
+    IN_JOB,
+    check_bounded,
+    path_of,
+    read_bounded,
+    shown,
+    unit_wish,
+    units_given_as,
+    within_folder,
+)
+from weavesim.job.units import length_unit
 
 
 def test_a_file_is_read_up_to_its_largest_size(tmp_path):
@@ -105,6 +117,21 @@ def test_references_out_of_a_folder_are_refused(tmp_path, reference):
 def test_a_reference_is_a_text(tmp_path, reference):
     with pytest.raises(InputError, match="the name of a file is needed"):
         within_folder(tmp_path, reference, "csv")
+
+
+def test_a_unit_is_asked_for_as_the_user_gives_it():
+    assert unit_wish(0.001) == "unit_scale=0.001"
+    with units_given_as(IN_JOB):
+        assert [unit_wish(size) for size in (0.001, 1.0, 0.0254)] == ['unit = "mm"', 'unit = "m"', 'unit = "inch"']
+        with units_given_as(IN_COMMAND):
+            assert unit_wish(0.001) == "--unit mm"
+        assert unit_wish(0.002) == "unit_scale=0.002"  # it has no name
+    assert unit_wish(0.3048) == "unit_scale=0.3048"
+
+
+def test_every_name_of_a_unit_is_one_that_jobs_read():
+    for metres, name in _UNITS.items():
+        assert length_unit(name) == pytest.approx(metres, rel=1e-12)
 
 
 def test_shown_text_stays_on_one_line():

@@ -17,34 +17,55 @@ from weavesim import kernel_cache
 from weavesim.kernel_cache import SEAL_NAME, damage, modules, own_folders, remove_unused
 
 SLOW = pytest.mark.slow
-# Of one small kernel headers that are compiled before take longer than the kernel.
 LAUNCH = """
+import sys
 import warp as wp
-wp.config.use_precompiled_headers = False
 from weavesim.device import initialise, load_kernel
-from weavesim.kernels.machine import barrier
+from weavesim.kernels import machine
 initialise()
-load_kernel(barrier, wp.get_device("cpu"))
-wp.launch(barrier, dim=1, inputs=[wp.zeros(1, dtype=wp.int32, device="cpu"), 1], device="cpu")
+for name in sys.argv[1:]:
+    load_kernel(getattr(machine, name), wp.get_device("cpu"))
+counts = wp.zeros(1, dtype=wp.int32, device="cpu")
+if "barrier" in sys.argv:
+    wp.launch(machine.barrier, dim=1, inputs=[counts, 1], device="cpu")
+if "flush_subnormals" in sys.argv:
+    wp.launch(machine.flush_subnormals, dim=1, inputs=[counts], device="cpu")
+    wp.launch(machine.restore_subnormals, dim=1, inputs=[counts], device="cpu")
 print(wp.config.kernel_cache_dir)
 """
+# Each of these has a module of its own.
+KERNELS = ("barrier", "flush_subnormals", "restore_subnormals")
 
 
-def launch(cache, **given):
-    """Launch a kernel in a process of its own."""
+def launch(cache, *names, **given):
+    """Launch kernels, by default one, in a process of its own."""
     return subprocess.run(
-        [sys.executable, "-c", LAUNCH], env=environment(WARP_CACHE_PATH=str(cache)), capture_output=True, text=True,
-        check=False, **given,
+        [sys.executable, "-c", LAUNCH, *(names or KERNELS[:1])], env=environment(WARP_CACHE_PATH=str(cache)),
+        capture_output=True, text=True, check=False, **given,
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A cache with one kernel."""
-    cache = tmp_path_factory.mktemp("cache")
-    done = launch(cache)
+def several(tmp_path_factory):
+    """A cache with some kernels."""
+    cache = tmp_path_factory.mktemp("several")
+    done = launch(cache, *KERNELS)
     assert done.returncode == 0 and done.stderr == ""
     return cache
+
+
+@pytest.fixture(scope="module")
+def whole(several, tmp_path_factory):
+    """A cache with one of them."""
+    cache = shutil.copytree(several, tmp_path_factory.mktemp("one") / "cache")
+    for name in KERNELS[1:]:
+        shutil.rmtree(folder_of(cache, name))
+    return cache
+
+
+def folder_of(cache, name):
+    """Of the kernel with this name."""
+    return next(path for path in cache.rglob(f"wp_{name}*") if path.is_dir())
 
 
 def parts(cache):
@@ -89,33 +110,45 @@ def test_damage_is_found(whole, tmp_path, name):
     assert damage(folder) != ""
 
 
+def broken(several, tmp_path, names):
+    """A copy of the cache in which one kernel after the other is damaged in these ways."""
+    cache = shutil.copytree(several, tmp_path / "cache")
+    for kernel, name in zip(KERNELS, names, strict=True):
+        place, break_it = DAMAGES[name]
+        break_it(parts(folder_of(cache, kernel))[place])
+    return cache
+
+
 @pytest.mark.parametrize(
-    "name",
+    "names",
     [
-        "object is cut",
-        *(pytest.param(one, marks=SLOW) for one in ("object is zero", "description is garbage", "a bit has flipped")),
+        ("object is cut", "object is zero", "a bit has flipped"),
+        pytest.param(("description is garbage", "object is text", "object is half"), marks=SLOW),
     ],
+    ids=" ".join,
 )
-def test_a_damaged_kernel_is_compiled_again_and_said(whole, tmp_path, name):
-    cache = shutil.copytree(whole, tmp_path / "cache")
-    place, break_it = DAMAGES[name]
-    break_it(parts(cache)[place])
-    done = launch(cache)
+def test_damaged_kernels_are_compiled_again_and_said(several, tmp_path, names):
+    cache = broken(several, tmp_path, names)
+    folders = [folder_of(cache, kernel) for kernel in KERNELS]
+    done = launch(cache, *KERNELS)
     assert done.returncode == 0 and "Traceback" not in done.stderr
-    assert "is damaged" in done.stderr and "compiled again" in done.stderr and str(cache) in done.stderr
-    again = launch(cache)
+    for folder in folders:
+        (said,) = [line for line in done.stderr.splitlines() if str(folder) in line]
+        assert "is damaged" in said and "compiled again" in said
+    again = launch(cache, *KERNELS)
     assert again.returncode == 0 and again.stderr == ""
 
 
 @SLOW
-@pytest.mark.parametrize("name", ["object is half", "object is zero", "object is text"])
-def test_a_kernel_without_a_seal_heals_too(whole, tmp_path, name):
-    cache = shutil.copytree(whole, tmp_path / "cache")
-    place, break_it = DAMAGES[name]
-    break_it(parts(cache)[place])
-    parts(cache)[2].unlink()
-    done = launch(cache)
-    assert done.returncode == 0 and "is damaged" in done.stderr and "Traceback" not in done.stderr
+def test_kernels_without_a_seal_heal_too(several, tmp_path):
+    cache = broken(several, tmp_path, ("object is half", "object is zero", "object is text"))
+    folders = [folder_of(cache, kernel) for kernel in KERNELS]
+    for folder in folders:
+        parts(folder)[2].unlink()
+    done = launch(cache, *KERNELS)
+    assert done.returncode == 0 and "Traceback" not in done.stderr
+    for folder in folders:
+        assert any("is damaged" in line and str(folder) in line for line in done.stderr.splitlines())
 
 
 @SLOW
@@ -193,7 +226,7 @@ def test_a_home_that_cannot_be_written_is_no_obstacle(tmp_path):
     (tmp_path / "file").write_text("")
     settings = {name: value for name, value in environment().items() if name != "WARP_CACHE_PATH"}
     done = subprocess.run(
-        [sys.executable, "-c", LAUNCH], env={**settings, "XDG_CACHE_HOME": str(tmp_path / "file")},
+        [sys.executable, "-c", LAUNCH, "barrier"], env={**settings, "XDG_CACHE_HOME": str(tmp_path / "file")},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0 and "they go to" in done.stderr

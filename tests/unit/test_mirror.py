@@ -126,7 +126,6 @@ TESTED_ELSEWHERE = {
     "weavesim/job/stages/tables.py": "unit/job/stages/test_build.py",
     "weavesim/job/stages/told.py": "unit/job/test_check.py",
     "weavesim/job/surfaces.py": "unit/job/test_build.py",
-    "weavesim/job/tables.py": "unit/job/test_read.py",
     "weavesim/process/device.py": "unit/tools/test_motion.py",
     "kernels/stepping/tool_friction.py": "verification/contact/test_tool_friction.py",
     "weavesim/engine/surface/friction.py": "verification/contact/test_tool_friction.py",

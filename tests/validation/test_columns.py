@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from tests.support.paths import ROOT
 from weavesim.app.command_line import application
-from weavesim.measures.units import PURE, split_unit
+from weavesim.measures.units import PURE, split_unit, with_unit
 from weavesim.output import History
 from weavesim.output.comparison.fields import FIELDS, keyed
 from weavesim.run import ledger
@@ -42,16 +42,20 @@ def listed() -> dict[str, list[tuple[str, str]]]:
 LISTED = listed()
 
 
-def of_table(heading: str) -> list[str]:
-    """First column of a table of docs/results.md."""
+def of_table(heading: str) -> dict[str, str]:
+    """First two columns of a table of docs/results.md: names with their units."""
     text = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
-    return re.findall(r"^\| `(\w+)`", text.split(f"\n## {heading}\n")[1].split("\n## ")[0], flags=re.MULTILINE)
+    section = text.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    return dict(re.findall(r"^\| `(\w+)` \| ([^|]*) \|", section, flags=re.MULTILINE))
 
 
 # What a name in angle brackets stands for, by the file; anything where nothing is said.
 STANDS_FOR = {
     "comparison.csv": {"<field>": [keyed(name) for name in FIELDS]},
-    "NAME.csv": {"<field>": of_table("Fields per element"), "<stress>": of_table("Stresses per element")},
+    "NAME.csv": {
+        "<field>": [with_unit(name, unit) for name, unit in of_table("Fields per element").items()],
+        "<stress>": list(of_table("Stresses per element")),
+    },
 }
 
 
@@ -165,9 +169,9 @@ def test_the_columns_of_the_other_tables(run):
         header(run.parent / "part" / "double_dome.csv"),
         header(next((run.parent / "part_mm").iterdir())),
     )
-    further = {re.sub("_[yz]$", "_x", name) for name in part if not name.startswith("centre")}
+    further = {re.sub("_[yz](_n_per_m)?$", r"_x\1", name) for name in part if not name.startswith("centre")}
     # a mapped part has the distance too (tests/unit/output/export/test_formed.py)
-    check("NAME.csv", further | {name for name in part if name.startswith("centre")} | {"distance"})
+    check("NAME.csv", further | {name for name in part if name.startswith("centre")} | {"distance_m"})
     assert {f"centre_{axis}_mm" for axis in "xyz"} <= millimetres
 
 

@@ -99,6 +99,36 @@ def test_every_identifier_is_a_word_of_the_code(document):
     assert not [name for name in sorted(names) if not words_of_the_code().issuperset(re.findall(r"\w+", name))]
 
 
+def folders_in(place: Path) -> list[Path]:
+    """The packages directly in a folder."""
+    return [path for path in sorted(place.iterdir()) if (path / "__init__.py").is_file()]
+
+
+def rooms_of(document: Path, heading: str) -> list[str]:
+    """The first cells of the table under a heading, in their order."""
+    table = text_of(document).partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    return [line.split("|")[1].strip() for line in table.splitlines() if line.startswith("| ")][1:]
+
+
+def test_the_layout_names_every_folder():
+    rows = rooms_of(ROOT / "CONTRIBUTING.md", "Layout")
+    folders = [*folders_in(ROOT / "kernels"), *folders_in(ROOT / "weavesim")]
+    assert folders and not [name_of(path) for path in folders if f"`{name_of(path)}/`" not in rows]
+
+
+def test_the_rooms_of_the_architecture_name_every_folder():
+    """Those of kernels and of the engine stand in rows below theirs, which begin with a dot."""
+    rows, own = rooms_of(ROOT / "docs" / "architecture.md", "The rooms"), {}
+    for row in rows:
+        if not row.startswith("·"):
+            below = own.setdefault(row, [])
+        else:
+            below += re.findall(r"`(\w+)/`", row)
+    assert not [path.name for path in folders_in(ROOT / "weavesim") if f"`{name_of(path)}/`" not in own]
+    for room in ("kernels", "weavesim/engine"):
+        assert sorted(path.name for path in folders_in(ROOT / room)) == sorted(own[f"`{room}/`"])
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_every_link_leads_somewhere(page):
     dead = []

@@ -123,8 +123,9 @@ def _can_go_on(result: Mapping[str, Any], out: Path) -> bool:
 
 def _reports(result: Mapping[str, Any], out: Path) -> Iterator[Path]:
     """Reports of this run, not of others below its folder."""
-    for folder in case_folders(result, out):
-        if os.path.isfile(folder / "report.html"):
+    for folder, summary in zip(case_folders(result, out), summaries(result), strict=True):
+        # one that could not be written to its end may still be there from the middle of the run
+        if os.path.isfile(folder / "report.html") and "report.html" not in (summary.get("missing") or ()):
             yield folder / "report.html"
 
 

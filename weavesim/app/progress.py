@@ -126,17 +126,17 @@ class ProgressBar:
             # The first steps wait for kernels to compile, which must not count in the estimate of the time left.
             self._start = time.perf_counter()
         if self._progress is not None and self._task is not None:
-            self._progress.update(self._task, completed=frame.time, state=self._state(frame))
+            self._progress.update(self._task, completed=min(frame.time, self._duration), state=self._state(frame))
             return
         if self._notebook is not None:
             now = time.perf_counter()
             if now >= self._next_show or frame.time >= self._duration:
                 self._next_show = now + NOTEBOOK_INTERVAL
-                self._notebook.update(frame.time / self._duration, self._state(frame))
+                self._notebook.update(min(1.0, frame.time / self._duration), self._state(frame))
             return
         if frame.time < self._begin:
             return
-        share = frame.time / self._duration
+        share = min(1.0, frame.time / self._duration)  # the last step may end beyond it
         line_index = int(LINE_COUNT * share + 1e-6)
         if line_index > self._line_index:
             self._line_index = line_index

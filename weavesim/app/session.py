@@ -47,6 +47,7 @@ def _interrupted(number: int) -> typer.Exit:
 
 
 def announce_compilation(name: str, kernel_count: int) -> None:
+    """Tell the user on standard error that kernels are compiled, and how long that may take."""
     kernels = "1 kernel" if kernel_count == 1 else f"{kernel_count} kernels"
     text = f"{name}: compiling {kernels}, up to a minute; later runs with the same laws and tools start at once"
     say(text, error=True)

@@ -48,6 +48,7 @@ class Estimate:
 
     @property
     def has_interval(self) -> bool:
+        """Whether the data tell its interval."""
         return math.isfinite(self.low)
 
 
@@ -167,6 +168,7 @@ def residual_of(
 
 
 def estimates_of(fit: Fit, given: Sequence[float]) -> list[Estimate]:
+    """The estimate of every unknown of a fit; ``given`` are their values before it."""
     result = []
     for k, unknown in enumerate(fit.problem.unknowns):
         low, high = fit.interval(k)

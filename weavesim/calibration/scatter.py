@@ -34,6 +34,7 @@ class Scatter:
     yardstick: float
 
     def at(self, x: np.ndarray) -> np.ndarray:
+        """Standard deviations at abscissas (n,), (n,)."""
         return np.interp(x, self.x, self.sigma)
 
 

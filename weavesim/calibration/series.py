@@ -58,6 +58,7 @@ class Series:
         return InputError(f"{self.place}{line}: column {self.names[column]!r}: {reason}")
 
     def noted(self, note: str) -> Series:
+        """This series with one more note; itself if the note is empty."""
         return replace(self, notes=(*self.notes, note)) if note else self
 
     def rows(self, chosen: np.ndarray, note: str = "") -> Series:
@@ -65,13 +66,8 @@ class Series:
         return replace(self, x=self.x[chosen], y=self.y[chosen], lines=self.lines[chosen]).noted(note)
 
     @property
-    def turning_point(self) -> int:
-        """Index of the largest x, where loading ends."""
-        return int(np.argmax(self.x))
-
-    @property
     def loading(self) -> tuple[np.ndarray, np.ndarray]:
-        """x and y up to the first turning point."""
+        """x and y up to the first turning point, (k,) each."""
         end = first_reversal(self.x)
         return self.x[:end], self.y[:end]
 
@@ -110,12 +106,20 @@ def in_order(series: Series) -> Series:
     turning = turns(x)
     if not turning and x[-1] < x[0]:
         return series.rows(np.arange(len(x))[::-1], "rows were in falling order; they were reversed")
-    # loading and unloading are branches of several points; the last one may have been cut off
+    # loading and unloading are branches of several points
     if turning and min(np.diff([0, *turning])) < LEAST_BRANCH:
         return series.rows(
             np.argsort(x, kind="stable"),
             "rows were in no order; they were sorted, and taken for one loading",
         )
+    after = len(x) - 1 - turning[-1] if turning else LEAST_BRANCH
+    if after < LEAST_BRANCH:
+        raise series.fault(
+            f"{x[turning[-1] + 1]:.4g} after {x[turning[-1]]:.4g}: {'a single row' if after == 1 else f'{after} rows'} "
+            f"after a turn, where a branch has at least {LEAST_BRANCH}: out of place, or an unloading that was cut off?"
+            " Put the rows in order, or leave these out",
+            turning[-1] + 1, 0,
+        )  # fmt: skip
     if turning and x[0] > x.min() + 0.5 * np.ptp(x):
         raise series.fault(
             f"it begins at {x[0]:.4g}, and falls before it rises: a test begins unloaded; leave out the rows before",

@@ -51,10 +51,12 @@ class ShearModel:
 
     @property
     def knot_names(self) -> tuple[str, ...]:
+        """Names of the unknown moments, one per knot but the first, (k,)."""
         return tuple(f"moment_at_{math.degrees(angle):.3g}_deg" for angle in self.knots[1:])
 
     @property
     def limit_names(self) -> tuple[str, ...]:
+        """Names of the unknown limits of friction, (l,)."""
         if len(self.limit_angles) == 1:
             return (FRICTION,)
         return tuple(f"{FRICTION}_at_{math.degrees(angle):.3g}_deg" for angle in self.limit_angles)

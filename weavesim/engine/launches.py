@@ -57,6 +57,7 @@ class SheetKernels:
 
     @classmethod
     def of(cls, sheet: SheetModel) -> SheetKernels:
+        """The kernels for the traits of a sheet."""
         real, lane_count = sheet.real, sheet.lane_count
         frequency_lanes = frequency_lane_count(lane_count, sheet.cell_law)
         return cls(
@@ -125,7 +126,9 @@ class Launches:
         self.tool_books.work, self.tool_books.watch = state.tool_work, state.tool_watch
         self._support_motion = support_motion_kernel(real)
         self.loads = LoadLaunches(model, state)
-        self._partial_maximum = (partial_maximum_kernel if device.is_cuda else group_maximum_kernel)(real)
+        self._partial_maximum = (
+            partial_maximum_kernel(real) if device.is_cuda else group_maximum_kernel(real, MAXIMUM_GROUP)
+        )
         self._set_step = set_step_kernel(real)
         self._fold_works = fold_works_kernel(real, model.lane_count)
         self._divided: dict[int, list[Division]] = {}

@@ -168,6 +168,7 @@ class Span:
 
     @property
     def count(self) -> int:
+        """How many entries."""
         return self.stop - self.start
 
     def of(self, array: wp.array) -> wp.array:

@@ -5,16 +5,23 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
 
 import warp as wp
 
 from ..device import exclusive, giving_way
-from ..kernels.machine import barrier, flush_subnormals, restore_subnormals
+from ..kernels.machine import barrier, count_rounds, flush_subnormals, restore_subnormals
 from ..kernels.stepping.step import check_clock
+
+# Of the counts of a thread, each a line of the cache away from those of the others.
+_COUNTS = 32
 
 
 class Replay:
     """Records launches and replays them on parallel threads.
+
+    On a CPU recorded loops go round without Python, whose lock other threads want: one that imports libraries holds it
+    for half a millisecond at a time.
 
     Args:
         device: of the launches.
@@ -29,11 +36,14 @@ class Replay:
         self._counter = wp.zeros(1, dtype=wp.int32, device=device)
         # how each thread treats subnormal numbers outside a replay
         self._modes = wp.zeros(largest_thread_count, dtype=wp.int32, device=device)
+        # rounds that each thread has left: of ``run``, and of ``repeat``
+        self._left = wp.zeros((largest_thread_count, _COUNTS), dtype=wp.int32, device=device)
+        self._rounds = self._left.numpy()[:, 0] if device.is_cpu else None
 
     @property
     def kernels(self) -> list[wp.Kernel]:
         """All kernels launched here."""
-        kernels = [flush_subnormals, restore_subnormals] if self._device.is_cpu else []
+        kernels = [flush_subnormals, restore_subnormals, count_rounds] if self._device.is_cpu else []
         return kernels + ([barrier] if self._largest_thread_count > 1 else [])
 
     def wait(self, thread_count: int) -> None:
@@ -75,14 +85,38 @@ class Replay:
             graph = wp.capture_end(device=self._device)
         return graph
 
-    def run(self, graphs: Sequence[Sequence[wp.Graph]], times: int = 1) -> None:
-        """Launch each thread's graphs in sequence, ``times`` times; on a CPU, others may compute meanwhile."""
-
-        def replay(own: Sequence[wp.Graph]) -> None:
+    def repeat(self, launch: Callable[[], None], times: int, thread: int = 0) -> None:
+        """Launch ``times`` times; within a recording on a CPU, ``launch`` is called once."""
+        if not self._device.is_cpu:
             for _ in range(times):
-                for graph in own:
-                    wp.capture_launch(graph)
+                launch()
+            return
+        left = self._left[thread, 1:2]
+        wp.launch(count_rounds, dim=1, inputs=[0, times], outputs=[left], device=self._device)
+        self._loop(launch, left)
 
+    def _loop(self, launch: Callable[[], None], left: wp.array) -> None:
+        def body() -> None:
+            launch()
+            wp.launch(count_rounds, dim=1, inputs=[1, -1], outputs=[left], device=self._device)
+
+        wp.capture_while(left, body)
+
+    def record_rounds(self, launch: Callable[[], None], thread: int = 0) -> wp.Graph:
+        """Record launches for ``run``, which says how often they are done."""
+        if not self._device.is_cpu:
+            return self.record(launch)
+        return self.record(partial(self._loop, launch, self._left[thread, :1]), thread)
+
+    def run(self, graphs: Sequence[wp.Graph], times: int = 1) -> None:
+        """Do each thread's rounds ``times`` times; on a CPU, others may compute meanwhile."""
+
+        def replay(graph: wp.Graph) -> None:
+            for _ in range(times if self._rounds is None else 1):
+                wp.capture_launch(graph)
+
+        if self._rounds is not None:
+            self._rounds[:] = times
         if len(graphs) > 1:
             self._counter.zero_()
         others = [threading.Thread(target=replay, args=(own,)) for own in graphs[1:]]

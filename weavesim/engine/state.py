@@ -313,7 +313,7 @@ class State:
         return state
 
     def content(self) -> dict[str, np.ndarray]:
-        """Every array by name, on the host; waits for the device."""
+        """Every array by name as it is on the device, padding included, on the host; waits for the device."""
         return {name: array.numpy() for name, array in self.arrays()}
 
     def take(self, content: Mapping[str, np.ndarray], step_count: int) -> None:

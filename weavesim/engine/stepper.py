@@ -29,8 +29,6 @@ from .threads import ThreadChoice
 from .tiling.division import Division
 from .tiling.tiles import chunks
 
-# A thread with more runs records one step instead of a block: recording a launch takes about 70 us.
-LARGEST_RECORDED_RUN_COUNT = 16
 # Largest number of blocks before the host checks the clock, and on a GPU that checks the clock itself.
 LARGEST_REPLAY = 50
 LARGEST_INTERVAL = 10_000
@@ -171,8 +169,8 @@ class Stepper:
             self._replay.wait(thread_count)
 
     def _block(self, divided: Sequence[Division], thread: int) -> None:
-        for _ in range(REFRESH_INTERVAL):
-            self._step(divided, thread)
+        # recording a launch takes about 70 us, as long as a step of a small sheet
+        self._replay.repeat(partial(self._step, divided, thread), REFRESH_INTERVAL, thread)
         self._refresh(len(divided[0].parts), thread)
 
     def _block_of_whole_launches(self) -> None:
@@ -229,26 +227,19 @@ class Stepper:
     # --- recordings --------------------------------------------------------------------------------------------------
 
     def _forget_recordings(self) -> None:
-        # for each number of threads: the graphs per thread that form a block; recorded on first use
-        self._block_graphs: dict[int, list[list[wp.Graph]]] = {}
+        # for each number of threads: the graph of a block of each thread; recorded on first use
+        self._block_graphs: dict[int, list[wp.Graph]] = {}
         self._interval_graph: wp.Graph | None = None
         self._ahead_graph: wp.Graph | None = None
 
-    def _recorded_blocks(self, thread_count: int) -> list[list[wp.Graph]]:
+    def _recorded_blocks(self, thread_count: int) -> list[wp.Graph]:
+        record = self._replay.record_rounds
         if thread_count not in self._block_graphs and self.whole_launches:
-            self._block_graphs[thread_count] = [[self._replay.record(self._block_of_whole_launches)]]
+            self._block_graphs[thread_count] = [record(self._block_of_whole_launches)]
         elif thread_count not in self._block_graphs:
-            divided, record = self._launches.divided(thread_count), self._replay.record
-            run_count = max(sum(sheet.parts[k].run_count for sheet in divided) for k in range(thread_count))
-            if run_count > LARGEST_RECORDED_RUN_COUNT:
-                graphs = [
-                    [record(partial(self._step, divided, thread), thread)] * REFRESH_INTERVAL
-                    + [record(partial(self._refresh, thread_count, thread), thread)]
-                    for thread in range(thread_count)
-                ]
-            else:
-                graphs = [[record(partial(self._block, divided, thread), thread)] for thread in range(thread_count)]
-            self._block_graphs[thread_count] = graphs
+            divided = self._launches.divided(thread_count)
+            blocks = [partial(self._block, divided, thread) for thread in range(thread_count)]
+            self._block_graphs[thread_count] = [record(block, thread) for thread, block in enumerate(blocks)]
         return self._block_graphs[thread_count]
 
     def _take_turn(self, largest_block_count: int) -> int:

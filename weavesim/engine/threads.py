@@ -119,11 +119,14 @@ class ThreadChoice:
 
     def block_count(self) -> int:
         """Blocks until the current turn should end, at least one."""
-        if not self._turns:
-            return 1
-        known = self.count if self.count in self._turns else self._fastest()
         left = (PROBE if self._probing else TURN) - self._turn_seconds
-        return max(1, math.ceil(left / self._cost(known)))
+        if self._turns:
+            cost = self._cost(self.count if self.count in self._turns else self._fastest())
+        elif self._turn_blocks:
+            cost = self._turn_seconds / self._turn_blocks
+        else:
+            return 1
+        return max(1, math.ceil(left / max(cost, 1e-9)))
 
     def report(self, block_count: int, seconds: float) -> None:
         """Record that ``count`` threads did ``block_count`` blocks in ``seconds``, and update ``count``."""

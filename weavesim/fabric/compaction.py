@@ -39,11 +39,11 @@ class Compaction(Parameters):
         return cell.crossover_modulus if self.crossover_modulus is None else self.crossover_modulus
 
     def thickness_ratio(self, cell: UnitCell, area_ratio: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-        """t/t_0 from the area ratio J and the crossover pressure [Pa]."""
+        """t/t_0 from the area ratio J and the crossover pressure [Pa], of their shape."""
         return area_ratio**-self.thickening / (1.0 + np.maximum(pressure, 0.0) / self.modulus(cell))
 
     def fibre_volume_fraction(self, thickness: np.ndarray, area_ratio: np.ndarray) -> np.ndarray | None:
-        """Fibre volume fraction at the given thickness [m]; None if the fibre content is unknown."""
+        """Fibre volume fraction at the given thickness [m], of its shape; None if the fibre content is unknown."""
         if self.fibre_areal_density is None or self.fibre_density is None:
             return None
         return self.fibre_areal_density / (self.fibre_density * thickness * area_ratio)

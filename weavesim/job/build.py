@@ -7,6 +7,7 @@ import numpy as np
 from ..engine.setup import Setup, Solver
 from ..errors import InputError
 from ..fabric.fabric import Fabric
+from ..input_files import IN_JOB, units_given_as
 from ..process.dynamics import Dynamics
 from ..process.friction import law_of
 from ..process.interfaces import Interface
@@ -33,7 +34,8 @@ def setup_of(file: JobFile) -> Setup:
     Raises:
         InputError: files that cannot be read, plies and tools that do not fit together.
     """
-    return Builder(file).setup()
+    with units_given_as(IN_JOB):
+        return Builder(file).setup()
 
 
 class Builder:

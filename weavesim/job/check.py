@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..meshes.numbering import scatter_told
 from ..process.motions.paths import PathMotion
 from ..process.strokes import Motion
-from ..ranges import ACCEPTING
+from ..ranges import ACCEPTING, Quantity
 from ..run.guards import Doubt, Level, Start
 from ..run.guards.closing import on_both_sides, smallest_gap
 from ..run.guards.tool_mesh import FEWEST_ELEMENTS_PER_QUARTER_TURN, LEAST_ELEMENTS_PER_QUARTER_TURN
@@ -40,6 +40,8 @@ TIGHT, LOOSE = 0.95, 1.5
 IN_TOUCH = 0.1
 # Over the suggested speed: more is doubtful.
 TOO_FAST = 2.0
+# Of the area of a ply: a tool that touches less meets it in a point, about which it will close.
+LEAST_TOUCHED = 0.005
 # A force-driven tool should close a gap of a tenth of the stack within this share of the run.
 SLOW_HOLDER = 0.02
 
@@ -61,11 +63,6 @@ class Checked:
     doubts: tuple[Doubt, ...]
     expected: Estimate | None
     errors: dict[str, tuple[float, float]]
-
-    @property
-    def is_doubtful(self) -> bool:
-        """Whether something should be looked at."""
-        return any(row.judgement == LOOK for row in self.rows)
 
 
 def check_setup(setup: Setup) -> Checked:
@@ -242,10 +239,10 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
         if not tool.motion.by_force:
             continue
         found = [
-            float(distances(index, tool.place(0.0, 0.0), frame.position)[0].min()) - 0.5 * sheet.fabric.thickness
+            distances(index, tool.place(0.0, 0.0), frame.position)[0] - 0.5 * sheet.fabric.thickness
             for sheet, frame in zip(setup.sheets, start.frame.sheets, strict=True)
         ]
-        gap, stack = min(found), sum(sheet.fabric.thickness for sheet in setup.sheets)
+        gap, stack = min(float(each.min()) for each in found), sum(sheet.fabric.thickness for sheet in setup.sheets)
         touches = gap <= IN_TOUCH * stack
         yield Row(
             "forces",
@@ -255,6 +252,14 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
             "" if touches else 'it flies there first: start = "touching"',
         )
         force, mass = float(np.abs(tool.motion.curve()[1]).max()), tool.motion.driven_mass
+        areas = [
+            nodal_area(sheet.blank.quads, sheet.geometry.area, len(each))[each <= gap + IN_TOUCH * stack].sum()
+            for sheet, each in zip(start.model.sheets, found, strict=True)
+        ]
+        whole = max(float(sheet.geometry.area.sum()) for sheet in start.model.sheets)
+        largest = max(force, _largest_force(setup, tool.name))
+        if largest > 0.0 and touches and max(areas) >= LEAST_TOUCHED * whole:
+            yield _pressure(largest, float(max(areas)))
         if force > 0.0:
             follow = math.sqrt(2.0 * IN_TOUCH * stack * mass / force)
             quick = follow <= SLOW_HOLDER * setup.duration
@@ -265,6 +270,36 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
                 OK if quick else NOTE,
                 "" if quick else f"slow for a run of {1e3 * setup.duration:.3g} ms: a lighter tool follows the sheet",
             )
+
+
+def _largest_force(setup: Setup, name: str) -> float:
+    """The largest force that moves a tool in any stage [N]; 0 without stages."""
+    moves = [move.motion for stage in setup.stages for move in stage.moves if move.name == name]
+    return max((float(np.abs(motion.curve()[1]).max()) for motion in moves if motion.by_force), default=0.0)
+
+
+def nodal_area(quads: np.ndarray, area: np.ndarray, count: int) -> np.ndarray:
+    """Area that each of ``count`` nodes stands for [m^2]: a quarter of each element (n, 4) around it, ``area`` (n,)."""
+    return np.bincount(np.ravel(quads), weights=np.repeat(0.25 * area, 4), minlength=count)
+
+
+def _pressure(force: float, area: float) -> Row:
+    """What a force [N] makes of the area of the sheet that it is in touch with at the start [m^2]."""
+    pressure, quantity = force / area, Quantity("holder pressure")
+    question = quantity.unusual(pressure)
+    low, high = (f"{1e-3 * bound:g}" for bound in quantity.row.plausible)
+    advice = f"usual are {low} to {high} kPa"
+    if question is not None:
+        for factor, meant, given in ((1.0e-3, f"{1e-3 * force:.4g} N", "kN"), (1.0e3, f"{force:.4g} kN", "N")):
+            if quantity.unusual(factor * pressure) is None:
+                advice += f"; was {meant} meant, not {given}?"
+    return Row(
+        "forces",
+        "pressure",
+        f"{force:.4g} N on {1e4 * area:.4g} cm2 that it touches: {1e-3 * pressure:.4g} kPa",
+        OK if question is None else LOOK,
+        advice,
+    )
 
 
 def _speeds(setup: Setup) -> Iterator[Row]:

@@ -65,6 +65,8 @@ def friction_of(
         except ValueError as error:
             refuse(f"{key} = {given!r}: {error}")
     try:
-        return kind(**numbers)
+        law = kind(**numbers)
     except InputError as error:
         refuse(error)
+    file.ask(keys, law)
+    return law

@@ -13,6 +13,7 @@ from ..documents import Document, read_document
 from ..errors import InputError, did_you_mean
 from ..input_files import shown, within_folder
 from ..names import file_name
+from ..ranges import ACCEPTING_IN_JOB, question_of, unusual_values
 from .overrides import LISTS, overridden
 from .schema import (
     GripperTable,
@@ -27,7 +28,7 @@ from .schema import (
     StageTable,
     ToolTable,
 )
-from .tables import table_within
+from .tables import table_within, unusual_keys
 
 # Tables of their own, and those of which there may be several.
 SINGLE: dict[str, type[Parameters]] = {
@@ -71,6 +72,15 @@ class JobFile:
         """Place of some keys for a message: file and line, or the setting of the command line, and the table."""
         return _where(self.document, self.values, self.places, [str(key) for key in keys])
 
+    def ask(self, keys: Iterable[object], made: Parameters) -> None:
+        """Ask about unusual numbers in what was made of some keys, such as a law, unless the job means them.
+
+        Raises:
+            InputError: there are some.
+        """
+        if not self.job.accept_unusual and (found := list(unusual_values(made))):
+            self.refuse(keys, question_of(found, ACCEPTING_IN_JOB))
+
     def file(self, reference: str, keys: Iterable[object]) -> Path:
         """A file that the job names, in its folder or one that the user named.
 
@@ -105,7 +115,8 @@ def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterabl
         files_from: folders from which it may read files, besides its own.
 
     Raises:
-        InputError: a file that cannot be read; a table, a key or a value that is not allowed.
+        InputError: a file that cannot be read; a table, a key or a value that is not allowed; a number that is not
+            usual, unless the job says ``accept_unusual``.
     """
     document = read_document(path, "job")
     values, places = overridden(document.values, settings)
@@ -158,6 +169,9 @@ def read_job(path: str | Path, settings: Iterable[str] = (), files_from: Iterabl
         rest["name"] = file_name("job", document.path.stem)
     result = JobFile(checked(Job, rest, []), document.path, folders, values, places, document)
     _check_whole(result)
+    found = [f"{result.where(keys)}{sentence}" for keys, sentence in unusual_keys(result.job)]
+    if found and not result.job.accept_unusual:
+        raise InputError(question_of(found, ACCEPTING_IN_JOB))
     return result
 
 

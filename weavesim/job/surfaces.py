@@ -25,8 +25,6 @@ TURNS: dict[str, tuple[tuple[int, int, int], ...]] = {
     "+y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)), "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "+x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)), "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
 }  # fmt: skip
-# Families of a tool's surfaces that are no tools of a press by themselves.
-_PLACED = ("origin", "rotation")
 
 
 def turned(vertices: np.ndarray, up: str) -> np.ndarray:
@@ -88,9 +86,11 @@ class Surfaces:
             hint = did_you_mean(str(name), kinds)
             self._file.refuse(keys, f"shape: kind = {name!r}: one of {', '.join(kinds)} is needed{hint}")
         try:
-            return kinds[name](**_numbers(kinds[name], {k: v for k, v in values.items() if k != "kind"}))
+            shape = kinds[name](**_numbers(kinds[name], {k: v for k, v in values.items() if k != "kind"}))
         except (InputError, ValueError) as error:
             self._file.refuse(keys, f"shape: {error}")
+        self._file.ask(keys, shape)
+        return shape
 
     def _from_other(self, index: int) -> MeshShape:
         """An offset surface, or a ring."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import AfterValidator, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 from ..checks import Finite, Parameters, json_schema, types_within
-from ..ranges import Quantity, quantity_of
+from ..ranges import Quantity, quantity_of, size_told, unit_after
 from .units import EXAMPLES, in_units, length_unit
 
 Coordinate = Annotated[Finite, Quantity("position")]
@@ -114,6 +115,38 @@ def takes_numbers(field: FieldInfo) -> bool:
 def takes_texts(field: FieldInfo) -> bool:
     """Whether any text is among the values of a field."""
     return any(isinstance(part, type) and issubclass(part, str) for part in types_within(field.annotation))
+
+
+def unusual_keys(table: Parameters, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
+    """The keys of all unusual numbers in a table and those within it, each with a sentence that begins with its name.
+
+    Args:
+        table: of a job, or the job.
+        keys: of the table; an entry of a list has its place as text.
+    """
+    for name, field in type(table).model_fields.items():
+        value, own = getattr(table, name), (*keys, name)
+        if table_within(field) is not None:
+            several = isinstance(value, tuple)
+            for index, entry in enumerate(value if several else (value,)):
+                if entry is not None:
+                    yield from unusual_keys(entry, (*own, str(index)) if several else own)
+        elif (quantity := quantity_of(field)) and (numbers := tuple(_numbers_of(value))):
+            item = value if isinstance(value, int | float) else numbers
+            if question := quantity.unusual(item):
+                yield own, f"{name} = {size_told(item)}{unit_after(quantity.row)}: {question}"
+
+
+def _numbers_of(value: Any) -> Iterator[float]:
+    """All numbers in a value of a key: lists may be uneven, and what has a name, such as a law, is made elsewhere."""
+    if isinstance(value, int | float):
+        yield float(value)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from _numbers_of(item)
+    elif isinstance(value, dict) and "kind" not in value:
+        for item in value.values():
+            yield from _numbers_of(item)
 
 
 def schema_of(cls: type[Parameters]) -> dict[str, Any]:

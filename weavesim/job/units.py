@@ -24,8 +24,9 @@ EXAMPLES = {
     "1/s": "100 1/s", "rad/s": "90 deg/s", "1": "0.2", "m/unit": "1 mm",
 }  # fmt: skip
 _KNOWN = (
-    "mm", "cm", "m", "um", "inch", "deg", "rad", "N", "kN", "mN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "g", "kg",
-    "s", "ms", "us", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s", "deg/s", "rad/s", "%",
+    "mm", "cm", "m", "um", "inch", "deg", "rad", "N", "kN", "mN", "MN", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "g",
+    "kg", "s", "ms", "us", "min", "m/s", "mm/s", "mm/min", "g/m^2", "kg/m^2", "N/mm", "N/m", "1/s",
+    "deg/s", "rad/s", "%",
 )  # fmt: skip
 # What plain numbers are in.
 _METRE = Unit("m", (0, 1, 0, 0))
@@ -44,9 +45,11 @@ def number_of(text: str, row: Row) -> float:
         raise ValueError(f"a number with its unit is needed, such as {example!r}")
     number, written = match["number"], (match["unit"] or "").strip()
     own = _METRE if row.unit == "m/unit" else parse_unit(row.unit) or Unit("1")
-    unit = parse_unit(written) if written else own
+    unit = parse_unit(written, strict=True) if written else own
     if unit is None and re.match(r",\d", written):
         raise ValueError(f"decimals need a point, not a comma: write '{number}.{written[1:]}'")
+    if unit is None and (meant := as_meant(written, own)):
+        raise ValueError(f"{written!r}: capitals count in units, since m is milli and M is mega: write {meant}")
     if unit is None:
         near = difflib.get_close_matches(written, _KNOWN, n=1)
         meant = f"; did you mean {near[0]!r}?" if near else ""
@@ -61,6 +64,12 @@ def number_of(text: str, row: Row) -> float:
     if not math.isfinite(value):
         raise ValueError("a finite number is needed")
     return value
+
+
+def as_meant(text: str, own: Unit) -> str:
+    """The units of the dimension of ``own`` that a text would be with other capitals; "" for none."""
+    near = [known for known in _KNOWN if known.lower() == text.lower() and known != text]
+    return " or ".join(repr(known) for known in near if (unit := parse_unit(known)) and unit.dimension == own.dimension)
 
 
 def _decimal(ratio: float) -> Decimal:
@@ -100,7 +109,9 @@ def length_unit(text: str) -> float:
     Raises:
         ValueError: no unit of length.
     """
-    unit = parse_unit(text)
+    unit = parse_unit(text, strict=True)
     if unit is None or unit.dimension != _METRE.dimension:
+        if found := as_meant(text, _METRE):
+            raise ValueError(f"capitals count in units, since m is milli and M is mega: write {found}")
         raise ValueError("a unit of length is needed, such as 'mm', 'cm', 'm' or 'inch'")
     return float(_decimal(unit.factor))

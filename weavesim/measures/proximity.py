@@ -47,7 +47,7 @@ def pair_distances(position: np.ndarray, quads: np.ndarray, node: np.ndarray, el
 
 
 def near_pairs(position: np.ndarray, quads: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and elements of all pairs that may be closer than ``distance``."""
+    """Nodes and elements, (k,) each, of all pairs that may be closer than ``distance``."""
     corners = position[quads]
     centre = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1) + distance
@@ -80,7 +80,7 @@ def join(left: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndar
 
 
 def neighbour_keys(quads: np.ndarray, node_count: int) -> np.ndarray:
-    """Keys element * node_count + node of all nodes connected to a corner of the element by at most two edges."""
+    """Keys element * node_count + node, (k,), of nodes connected to a corner of the element by at most two edges."""
     edges = np.concatenate([quads[:, [i, (i + 1) % 4]] for i in range(4)]).astype(np.int64)
     itself = np.repeat(np.arange(node_count), 2).reshape(-1, 2)
     first, second = np.concatenate([edges, edges[:, ::-1], itself]).T

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import unit_wish
 from .source import Source, counted, listed
 from .triangles import Crossing, out_of_plane, polygon_triangles, quad_triangles, without_repeats
 
@@ -116,8 +117,8 @@ class MeshFile:
         unit = self.metres_per_unit
         if unit is not None and abs(unit_scale - unit) > 1e-6 * unit:
             raise InputError(
-                f"{self.name} says that its unit is {unit:g} m, but unit_scale = {unit_scale:g}: give "
-                f"unit_scale={unit:g}, or leave the unit out."
+                f"{self.name} says that its unit is {unit:g} m, but {unit_wish(unit_scale)} is given: give "
+                f"{unit_wish(unit)}, or leave the unit out."
             )
 
     def _split(self, cells: Cells, notes: list[str]) -> np.ndarray:

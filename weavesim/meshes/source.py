@@ -36,6 +36,7 @@ class Source:
 
     @property
     def name(self) -> str:
+        """What it is and where, for messages."""
         return f"{self.what} {shown(self.path)}"
 
     @property

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..names import file_name
 from ..run.checkpoint.container import sync_folder
 from ..run.frame import Frame, Outcome, RunInfo, SheetInfo
-from .claim.lock import FolderLock
+from .claim.lock import FolderLock, check_unlocked
 from .claim.record import SETUP_NAME, RunRecord, frame_hash, hashed_fields
 from .claim.remains import check_free, check_names, remove_results
 from .curves import Curves, LastCurve
@@ -93,6 +93,7 @@ class ResultFolder:
         check_names(self.path)
         self._lock = FolderLock(self.path)
         if not self._overwrite:
+            check_unlocked(self.path)
             check_free(self.path)
         check_packages(self._kinds)
         self._loading = Loading([kind.load for kind in self._kinds])

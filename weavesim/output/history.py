@@ -57,6 +57,7 @@ class History:
         self._of_sheets: list[dict[str, float]] = []
 
     def start(self, info: RunInfo) -> None:
+        """Take the names, and forget the frames of an earlier run."""
         self.tool_names = list(info.tool_names)
         self.support_names = [support.name for support in info.supports]
         self.drive_names = [f"{s.name}_drive_{k + 1}" for s in info.supports for k in range(len(s.drives))]
@@ -64,6 +65,7 @@ class History:
         self.last_frame, self._rows, self._of_sheets = None, [], []
 
     def frame(self, frame: Frame) -> None:
+        """Keep the scalars of a frame."""
         self.last_frame = frame
         self._of_sheets.append(_of_sheets(frame))
         self._rows.append(
@@ -93,40 +95,48 @@ class History:
 
     @property
     def frame_count(self) -> int:
+        """Frames so far."""
         return len(self._rows)
 
     @property
     def index(self) -> np.ndarray:
+        """Numbers of the frames, (frame_count,)."""
         return self._column(0)
 
     @property
     def step_count(self) -> np.ndarray:
+        """Steps so far at each frame, (frame_count,)."""
         return self._column(1)
 
     @property
     def time(self) -> np.ndarray:
+        """Instants of the frames, (frame_count,) [s]."""
         return self._column(2)
 
     @property
     def stroke(self) -> np.ndarray:
+        """Displacement of the leading tool along its axis, or without tools of the first drive, (frame_count,) [m]."""
         return self._column(3)
 
     @property
     def tool_displacement(self) -> np.ndarray:
+        """Of each tool along its axis, (frame_count, tool_count) [m]."""
         return self._column(4).reshape(self.frame_count, len(self.tool_names))
 
     @property
     def tool_reaction(self) -> np.ndarray:
+        """Force of the sheets on each tool, (frame_count, tool_count, 3) [N]."""
         return self._column(5).reshape(self.frame_count, len(self.tool_names), 3)
 
     @property
     def energies(self) -> dict[str, np.ndarray]:
+        """Entries of the ledger by name, (frame_count,) each [J]; not a number in frames without one."""
         names = self._rows[0][6] if self._rows else {}
         return {name: np.array([row[6].get(name, math.nan) for row in self._rows], dtype=float) for name in names}
 
     @property
     def energy_ratios(self) -> dict[str, np.ndarray]:
-        """Sizes of ratios by which a quasi-static run is judged, by what they are [%].
+        """Sizes of ratios by which a quasi-static run is judged, by what they are, (frame_count,) each [%].
 
         Not a number where the lower energy is below a thousandth of its largest, or the ratio is zero.
         """
@@ -141,38 +151,47 @@ class History:
 
     @property
     def support_force(self) -> np.ndarray:
+        """Force of each support on its sheet, (frame_count, support_count, 3) [N]."""
         return self._column(7).reshape(self.frame_count, len(self.support_names), 3)
 
     @property
     def drive_displacement(self) -> np.ndarray:
+        """Of each drive along its direction, (frame_count, drive_count) [m]."""
         return self._column(8).reshape(self.frame_count, len(self.drive_names))
 
     @property
     def drive_force(self) -> np.ndarray:
+        """Of each drive along its direction, (frame_count, drive_count) [N]."""
         return self._column(9).reshape(self.frame_count, len(self.drive_names))
 
     @property
     def tool_wanted(self) -> np.ndarray:
+        """Force that drives each tool, (frame_count, tool_count) [N]; not a number where a stroke does."""
         return self._column(10).reshape(self.frame_count, len(self.tool_names))
 
     @property
     def gripper_force(self) -> np.ndarray:
+        """Of the springs of each gripper, (frame_count, gripper_count) [N]."""
         return self._column(11).reshape(self.frame_count, len(self.gripper_names))
 
     @property
     def gripper_slip(self) -> np.ndarray:
+        """Of the sheet through each gripper, the mean over its springs, (frame_count, gripper_count) [m]."""
         return self._column(12).reshape(self.frame_count, len(self.gripper_names))
 
     @property
     def tool_pose(self) -> np.ndarray:
+        """Rotation matrix, row by row, and shift [m] of each tool, (frame_count, tool_count, 12), if one is carried."""
         return self._column(13)
 
     @property
     def tool_moment(self) -> np.ndarray:
+        """Of the sheets on each tool about its pivot, (frame_count, tool_count, 3) [N m], where one is carried."""
         return self._column(14)
 
     @property
     def sheet_columns(self) -> dict[str, np.ndarray]:
+        """Energies [J] and largest shear angle of each of several sheets, by column, (frame_count,) each."""
         names = self._of_sheets[0] if self._of_sheets else {}
         return {name: np.array([row.get(name, math.nan) for row in self._of_sheets]) for name in names}
 

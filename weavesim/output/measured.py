@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..checks import as_typed
 from ..errors import InputError
 from ..input_files import shown
 from ..tables import Table, Wanted, read_table
@@ -17,16 +18,23 @@ from .curves import Curves, MeasuredPoints
 
 # A larger number is no number of a point.
 LARGEST_POINT = 1_000_000
+# Angles none of which is larger are probably radians [degrees]; an outline this many times as large as the blank, or as
+# small, is in another unit.
+LARGEST_RADIAN, LARGEST_RATIO = 1.6, 10.0
 
 
-def load_measured_angles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
+def load_measured_angles(path: str | Path, *, accept_unusual: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Measured shear angles from a table with the columns point and angle: point numbers (k,), angles (k,) [degrees].
 
     The header says the unit of the angles: "angle_deg", "angle [deg]", "angle [rad]".
 
+    Args:
+        path: of the table.
+        accept_unusual: take angles as they are that are so small that they may be radians.
+
     Raises:
-        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number, or angles
-            without a unit.
+        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number, angles
+            without a unit, or so small that they may be radians.
     """
     table = read_table(path, "measured angles")
     columns = table.columns(Wanted("point"), Wanted("angle", unit="deg", needs_unit=True))
@@ -39,25 +47,42 @@ def load_measured_angles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
         if abs(angle) >= 90.0:
             raise InputError(f"{place}: {angle:g} degrees; must be below 90")
         seen.add(number)
+    largest = float(np.abs(angles).max())
+    if 0.0 < largest <= LARGEST_RADIAN and not accept_unusual:
+        raise InputError(
+            f"measured angles {shown(path)}: the largest is {largest:.4g} degrees: are they radians? Then call the "
+            f'column "angle [rad]"; if not, give {as_typed("accept_unusual")}'
+        )
     return numbers.astype(int), angles
 
 
-def load_measured_outline(path: str | Path) -> np.ndarray:
+def load_measured_outline(path: str | Path, *, reach: float | None = None, accept_unusual: bool = False) -> np.ndarray:
     """A measured outline from a table with the columns x and y, in plan view and in order, (k, 2) [m].
 
     The header says their unit: "x_mm" and "y_mm", "x [mm]" and "y [mm]", "x [m]" and "y [m]".
 
+    Args:
+        path: of the table.
+        reach: how far the blank reaches from the origin [m], to tell a wrong unit; None is not compared.
+        accept_unusual: take an outline that is of quite another size.
+
     Raises:
-        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number, or
-            coordinates without a unit.
+        InputError: missing or unreadable file, missing columns, no rows, an entry that is not a number,
+            coordinates without a unit, or an outline of quite another size than the blank.
     """
     wanted = [Wanted(name, unit="m", needs_unit=True) for name in ("x", "y")]
     points = np.column_stack(read_table(path, "measured outline").columns(*wanted).values)
     place = f"measured outline {shown(path)}"
     if len(points) < 2:
         raise InputError(f"{place}: only one point; give two or more, in order along the outline")
-    if np.abs(points).max() > 20.0:
-        raise InputError(f"{place}: it extends {np.abs(points).max():g} m from the origin; give the right unit")
+    own = float(np.abs(points).max())
+    if own > 20.0:
+        raise InputError(f"{place}: it extends {own:g} m from the origin; give the right unit")
+    if reach is not None and not 1.0 / LARGEST_RATIO < own / reach < LARGEST_RATIO and not accept_unusual:
+        raise InputError(
+            f"{place}: it extends {own:.4g} m from the origin, the blank {reach:.4g} m: give the right unit in the "
+            f'names of its columns, as in "x [mm]"; if it is right, give {as_typed("accept_unusual")}'
+        )
     return points
 
 

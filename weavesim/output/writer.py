@@ -15,6 +15,7 @@ from pkgutil import iter_modules
 from typing import ClassVar
 
 from ..errors import InputError
+from ..names import enter
 from ..run.frame import Frame, Outcome, RunInfo
 from .history import History
 from .results import Results
@@ -49,6 +50,7 @@ class Failures(list[str]):
         logger.warning("%s", text)
 
     def clear(self) -> None:
+        """Forget what failed."""
         super().clear()
         self.names.clear()
 
@@ -82,12 +84,8 @@ class Writer:
     needs_load: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
-        if not cls.name:
-            return
-        other = _known.get(cls.name)
-        if other and (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
-            raise TypeError(f"writer {cls.name}: {other.__module__} already has one of this name")
-        _known[cls.name] = cls
+        if cls.name:
+            enter(_known, cls.name, cls, "writer")
 
     def __init__(self, folder: Path, failures: Failures, history: History, solver_fields: bool = False) -> None:
         self.folder, self.history, self.solver_fields = folder, history, solver_fields

@@ -40,7 +40,7 @@ class Coulomb(Friction):
     coefficient: Annotated[NotNegative, Quantity("friction")]
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """One entry."""
+        """One entry, at an argument of zero: the coefficient, (1,) each."""
         return np.zeros(1), np.array([self.coefficient])
 
 
@@ -88,7 +88,7 @@ class Tabulated(Friction):
         return self
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Arguments and coefficients."""
+        """Arguments and coefficients, (n,) each."""
         return np.array(getattr(self, self.arguments_name)), np.array(self.coefficients)
 
 
@@ -152,7 +152,7 @@ class YarnAngleFriction(Tabulated):
     angles: Annotated[Numbers, Quantity("angle", at_most=90.0)]
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Angles [rad] and coefficients."""
+        """Angles [rad] and coefficients, (n,) each."""
         angles, coefficients = super().table()
         return np.radians(angles), coefficients
 
@@ -194,5 +194,5 @@ class ViscousFilm(Friction):
     coefficient: Annotated[NotNegative, Quantity("friction")] = 0.0
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """One entry: the coefficient beside the film."""
+        """One entry, (1,) each: the coefficient beside the film, at an argument of zero."""
         return np.zeros(1), np.array([self.coefficient])

@@ -15,6 +15,19 @@ from ..quantities import Numbers
 from ..ranges import Quantity
 
 
+def check_curve(times: Numbers, values: Numbers, what: str) -> None:
+    """Check a curve over time; ``what`` its values are, for the message.
+
+    Raises:
+        ValueError: unequal numbers of times and values, none, or times that do not increase.
+    """
+    if len(times) == 0 or len(times) != len(values) or np.any(np.diff(times) <= 0.0):
+        raise ValueError(
+            f"{len(times)} times and {len(values)} {what}; give the same number of both, at least one, and times must "
+            "increase"
+        )
+
+
 class NodalLoads(Parameters):
     """Dead loads: their directions stay as the sheet moves. Their work is booked as ``load_work``.
 
@@ -37,11 +50,7 @@ class NodalLoads(Parameters):
 
     @model_validator(mode="after")
     def _are_a_curve(self) -> Self:
-        if len(self.times) == 0 or len(self.times) != len(self.shares) or np.any(np.diff(self.times) <= 0.0):
-            raise ValueError(
-                f"{len(self.times)} times and {len(self.shares)} shares; give the same number of both, at least "
-                "one, and times must increase"
-            )
+        check_curve(self.times, self.shares, "shares")
         return self
 
     def arrays(self, node_count: int) -> np.ndarray:

@@ -11,6 +11,7 @@ from ..arrays import IntArray
 from ..checks import Parameters
 from ..quantities import Numbers
 from ..ranges import Quantity
+from .loads import check_curve
 
 
 class Pressure(Parameters):
@@ -49,11 +50,7 @@ class Pressure(Parameters):
 
     @model_validator(mode="after")
     def _are_a_curve(self) -> Self:
-        if len(self.times) == 0 or len(self.times) != len(self.pressures) or np.any(np.diff(self.times) <= 0.0):
-            raise ValueError(
-                f"{len(self.times)} times and {len(self.pressures)} pressures; give the same number of both, at least "
-                "one, and times must increase"
-            )
+        check_curve(self.times, self.pressures, "pressures")
         return self
 
     def check_elements(self, element_count: int) -> None:
@@ -70,7 +67,7 @@ class Pressure(Parameters):
             )
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """Pressures at ``times`` [s], in Pa."""
+        """Pressures [Pa] at ``times`` (n,) [s], (n,)."""
         return np.interp(times, self.times, self.pressures)
 
     def acts_on(self, element_count: int) -> np.ndarray:

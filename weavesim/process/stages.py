@@ -27,6 +27,7 @@ class StageEnd(Kinded):
 
     @property
     def tool_name(self) -> str | None:
+        """Of the tool that decides; None where none does."""
         return None
 
 

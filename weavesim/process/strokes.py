@@ -77,7 +77,7 @@ class Motion(Kinded):
         return math.nan if self.by_force else float(np.interp(time, *self.curve()))
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """For a tool: times [s], and displacements [m] or forces [N] along its axis."""
+        """For a tool: times [s], and displacements [m] or forces [N] along its axis, (n,) each."""
         raise NotImplementedError
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:

@@ -163,10 +163,12 @@ class HoldsNodes(Protocol):
     """What holds nodes of a sheet, each of which may be held once."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """For messages."""
 
     @property
-    def nodes(self) -> np.ndarray: ...
+    def nodes(self) -> np.ndarray:
+        """Indices of the nodes, (k,) int."""
 
 
 def check_held_once(kind: str, holders: Sequence[HoldsNodes], node_count: int, allowed: str) -> None:

@@ -159,12 +159,3 @@ def complete(fabric: Fabric, rows: Values, report: Values) -> dict[str, np.ndarr
         if value is not None:
             fields[field.name] = value
     return fields
-
-
-def in_files(fields: Values) -> dict[str, np.ndarray]:
-    """``fields`` with their names and units in files; unknown fields are unchanged."""
-    known = {field.name: field for field in FIELDS}
-    return {
-        known[name].file_name if name in known else name: known[name].in_file(values) if name in known else values
-        for name, values in fields.items()
-    }

@@ -132,10 +132,6 @@ class RunInfo:
         """Names of the tools in outputs: if tools of different worlds have the same name, the second is NAME_2."""
         return unique_names(tool.name for tool in self.tools)
 
-    def tools_of(self, sheet: SheetInfo) -> tuple[Tool, ...]:
-        """The tools that a sheet may touch."""
-        return tuple(self.tools[place] for place in sheet.tools)
-
 
 @dataclass(frozen=True)
 class SheetFrame:
@@ -281,8 +277,11 @@ class Outcome(Enum):
 class Observer(Protocol):
     """Receives the frames of a run; a file-writing observer leaves a readable file at every ``finish``."""
 
-    def start(self, info: RunInfo) -> None: ...
+    def start(self, info: RunInfo) -> None:
+        """Called once, before the first frame."""
 
-    def frame(self, frame: Frame) -> None: ...
+    def frame(self, frame: Frame) -> None:
+        """Called for every frame, in their order."""
 
-    def finish(self, outcome: Outcome) -> None: ...
+    def finish(self, outcome: Outcome) -> None:
+        """Called once the run has ended, however it has."""

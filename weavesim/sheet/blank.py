@@ -96,10 +96,12 @@ class Blank(Parameters):
 
     @property
     def node_count(self) -> int:
+        """How many nodes."""
         return len(self.node_position)
 
     @property
     def element_count(self) -> int:
+        """How many elements."""
         return len(self.quads)
 
     @property

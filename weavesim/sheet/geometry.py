@@ -23,6 +23,7 @@ class ElementGeometry:
 
     @classmethod
     def of(cls, blank: Blank) -> ElementGeometry:
+        """Of the elements of a blank as it is at the start."""
         x = blank.node_position[blank.quads]
         d = blank.initial_director[blank.quads]
         frame = np.stack([blank.warp_direction, blank.weft_direction], axis=1)
@@ -73,25 +74,25 @@ class ElementGeometry:
 
     @property
     def squared_gradients(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sum over the corners of N_,1^2 and N_,2^2 [1/m^2]."""
+        """Sum over the corners of N_,1^2 and N_,2^2, (m,) each [1/m^2]."""
         b = self.gradient
         return 2.0 * (b[0] ** 2 + b[2] ** 2), 2.0 * (b[1] ** 2 + b[3] ** 2)
 
     @property
     def largest_gradient(self) -> np.ndarray:
-        """Largest eigenvalue of the sums over the corners of N_,alpha N_,beta [1/m^2]."""
+        """Largest eigenvalue of the sums over the corners of N_,alpha N_,beta, (m,) [1/m^2]."""
         b11, b22 = self.squared_gradients
         b12 = 2.0 * (self.gradient[0] * self.gradient[1] + self.gradient[2] * self.gradient[3])
         return 0.5 * (b11 + b22) + np.hypot(0.5 * (b11 - b22), b12)
 
     @property
     def squared_hourglass(self) -> np.ndarray:
-        """Sum over the corners of the squared hourglass vector."""
+        """Sum over the corners of the squared hourglass vector, (m,)."""
         return 4.0 + 2.0 * np.square(self.hourglass_offset).sum(axis=0)
 
     @property
     def squared_twist_weights(self) -> np.ndarray:
-        """Sum of the squares of (p p - q q)/16, which gives the natural twist from the curvatures [m^4]."""
+        """Sum of the squares of (p p - q q)/16, which gives the natural twist from the curvatures, (m,) [m^4]."""
         b_p1, b_p2, b_q1, b_q2 = self.gradient
         square = np.square(b_p1 * b_q2 - b_p2 * b_q1)
         p, q, mixed = b_q1**2 + b_q2**2, b_p1**2 + b_p2**2, b_p1 * b_q1 + b_p2 * b_q2

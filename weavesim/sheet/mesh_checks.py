@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import unit_wish
 from ..meshes.numbering import each_once
 from ..ranges import QUANTITIES
 from .topology import doubled_normals, part_of_nodes
@@ -64,9 +65,11 @@ class Names:
         return Names(self.mesh, of_nodes, of_elements, self.elements_are)
 
     def node(self, row: Any) -> int:
+        """Number of the node in a row."""
         return int(row if self.nodes is None else self.nodes[row])
 
     def element(self, row: Any) -> str:
+        """Number of the element in a row, and of what, for messages."""
         number = str(int(row if self.elements is None else self.elements[row]))
         return number if self.elements_are == "element" else f"of {self.elements_are} {number}"
 
@@ -93,7 +96,7 @@ def check_arrays(position: np.ndarray, quads: np.ndarray, names: Names = ROWS) -
     if extent > _LARGEST_EXTENT_M:
         raise InputError(
             f"{names.mesh}: it is {extent:.4g} m wide, as a blank of {extent:.4g} mm read as metres would be "
-            "(1000 times too big); scale it to metres (unit_scale=0.001)"
+            f"(1000 times too big); scale it to metres ({unit_wish(1.0e-3)})"
         )
 
 
@@ -270,7 +273,7 @@ def number_array(name: str, value: Any) -> np.ndarray:
 
 
 def whole_numbers(quads: Any) -> np.ndarray:
-    """Corner nodes of elements as int32; an InputError unless they are whole numbers."""
+    """Corner nodes of elements as int32, of the shape given; an InputError unless they are whole numbers."""
     given = number_array("blank mesh: elements", quads)
     wrong = ~((np.abs(given) < 2.0**31) & (given == np.rint(given)))
     if wrong.any():

@@ -55,6 +55,7 @@ class Outline:
 
     @property
     def length(self) -> float:
+        """Of the whole polygon [m]."""
         return float(self.start[-1])
 
     def nearest(self, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

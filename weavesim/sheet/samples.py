@@ -52,14 +52,14 @@ def at_places(shares: np.ndarray, values: np.ndarray, quads: np.ndarray) -> np.n
         values: of the nodes.
         quads: (element_count, 4).
     """
-    return _shared(shares[:, :, None, None], at_corners(values, quads.T)).transpose(0, 2, 1)
+    return _shared(shares, at_corners(values, quads.T)).transpose(0, 2, 1)
 
 
 def _shared(shares: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Sums over the corners, (k, 3, element_count), of shares (k, 4, 1, 1) of what ``at_corners`` returns."""
-    total: np.ndarray = shares[:, 0] * values[:, 0]
+    """Sums over the corners, (k, 3, element_count), of shares (k, 4) of what ``at_corners`` returns."""
+    total: np.ndarray = shares[:, 0, None, None] * values[:, 0]
     for corner in range(1, 4):
-        total += shares[:, corner] * values[:, corner]
+        total += shares[:, corner, None, None] * values[:, corner]
     return total
 
 
@@ -103,13 +103,16 @@ class Surfaces:
     """
 
     def __init__(self, places: np.ndarray) -> None:
-        self._share, self._by_u, self._by_v = (each[:, :, None, None] for each in corner_shares(places))
+        self._share, by_u, by_v = corner_shares(places)
+        # derivatives are the same at many places, such as all along a line
+        self._lines = [np.unique(each, axis=0, return_inverse=True) for each in (by_u, by_v)]
         self._rest = 0.5 * (1.0 - np.square(places))
 
     def __call__(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Points (k, n, 3) [m] of positions [m] and directors at the corners, (3, 4, n), see ``at_corners``."""
-        sagitta = self._rest[:, :1] * _dot(_shared(self._by_u, x), _shared(self._by_u, d))
-        sagitta += self._rest[:, 1:] * _dot(_shared(self._by_v, x), _shared(self._by_v, d))
+        along_u, along_v = (_dot(_shared(lines, x), _shared(lines, d))[of_place] for lines, of_place in self._lines)
+        sagitta = self._rest[:, :1] * along_u
+        sagitta += self._rest[:, 1:] * along_v
         director = _shared(self._share, d)
         length = np.maximum(np.sqrt(_dot(director, director)), SHORTEST_DIRECTOR)
         director *= (sagitta / length)[:, None]

@@ -41,16 +41,16 @@ class FormedRun:
 
     @cached_property
     def areas(self) -> tuple[np.ndarray, ...]:
-        """Of the elements of each flat sheet [m^2]."""
+        """Areas of the elements of each flat sheet, (element_count,) each [m^2]."""
         return tuple(flat_areas(judged.sheet.blank) for judged in self.sheets)
 
     @cached_property
     def area(self) -> np.ndarray:
-        """Of all elements."""
+        """Those of all elements of all sheets, one after the other, (n,) [m^2]."""
         return np.concatenate(self.areas)
 
     def field(self, name: str) -> np.ndarray:
-        """Of all elements."""
+        """A field of all elements of all sheets, (n,), in the units of frames."""
         return np.concatenate([judged.fields[name] for judged in self.sheets])
 
     def percentile(self, name: str, share: float) -> float:

@@ -337,4 +337,6 @@ def _not_among(above: tuple[int, str], wanted: Sequence[str], declared: str | No
         return MissingColumn(text, number)
     listed = ", ".join(map(quoted, names[:LISTED_COUNT])) + (", ..." if len(names) > LISTED_COUNT else "")
     hint = did_you_mean(missing[0], [*names, *map(bare_name, names)])
+    if fold(f"{missing[0]}_m") in map(fold, names):
+        hint = f'; a column in metres is called "{missing[0]} [m]"'
     return MissingColumn(f"{text} among {listed}{hint}", number)

@@ -67,8 +67,14 @@ class Unit:
         return self.dimension == other.dimension and math.isclose(self.factor, other.factor)
 
 
-def parse_unit(text: str) -> Unit | None:
-    """The unit that ``text`` is, such as "kN", "N/mm", "N·m/m", "gf·cm²/cm", "1/m" or "mm^-1"; None if it is none."""
+def parse_unit(text: str, *, strict: bool = False) -> Unit | None:
+    """The unit that ``text`` is, such as "kN", "N/mm", "N·m/m", "gf·cm²/cm", "1/m" or "mm^-1"; None if it is none.
+
+    Args:
+        text: as written.
+        strict: capitals count in symbols, since m is milli and M mega, k kilo and K kelvin. Laboratories write them in
+            any case.
+    """
     rest = text.strip().translate(_SUPERSCRIPTS).replace("**", "^").removesuffix(".")
     if not rest or rest == "1" or len(rest) > 40:
         return None
@@ -77,7 +83,7 @@ def parse_unit(text: str) -> Unit | None:
         symbols = re.split(r"\s*[·⋅*×.]\s*|\s+", part.strip())
         for symbol in symbols:
             match = _FACTOR.fullmatch(symbol)
-            known = _symbol(match["symbol"]) if match else None
+            known = _symbol(match["symbol"], strict) if match else None
             if match is None or known is None:
                 return None
             power = int(match["power"] or 1) * (-1 if index else 1)
@@ -133,8 +139,10 @@ def unit_cell(cell: str) -> Unit | None:
     return parse_unit(text)
 
 
-def _symbol(text: str) -> tuple[Dimension, float] | None:
+def _symbol(text: str, strict: bool) -> tuple[Dimension, float] | None:
     if text in _SYMBOLS:
         return _SYMBOLS[text]
     written = _WRITTEN.get(text) or (_WRITTEN.get(text.lower()) if text != "mPa" else None)
+    if strict and written is not None and (written.lower() == text.lower() or (len(text) < 3 and text not in _WRITTEN)):
+        return None  # "MM", "kn", "uM"; a whole word may have any capitals
     return _SYMBOLS[written] if written else None

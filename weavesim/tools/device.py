@@ -58,6 +58,7 @@ class DeviceTools:
 
     @property
     def count(self) -> int:
+        """Tools of the run."""
         return self.tool.shape[0]
 
 

@@ -101,7 +101,7 @@ def _triangle_numbers(faces: np.ndarray) -> np.ndarray:
 
 
 def without_duplicates(name: str, faces: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Each triangle once; none of a wall that two bodies share. And notes of what was left out."""
+    """Each triangle once, (k, 3); none of a wall that two bodies share. And notes of what was left out."""
     _, first, group, counts = np.unique(
         _triangle_numbers(faces), return_index=True, return_inverse=True, return_counts=True
     )

@@ -47,6 +47,7 @@ class Facets(NamedTuple):
 
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray) -> Facets:
+        """Of the faces (m, 3) of ``vertices`` (n, 3) [m]."""
         return cls(*face_normals(vertices, faces), neighbours(faces))
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..input_files import unit_wish
 from ..ranges import QUANTITIES
 from .mesh_topology import directed_edges, labels
 
@@ -22,6 +23,16 @@ LEAST_AREA = 1e-9
 
 
 def checked_triangles(name: str, vertices: Any, faces: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] and faces (m, 3) as arrays, without vertices that no face uses.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices, faces: as given.
+
+    Raises:
+        InputError: no triangles, wrong shapes, indices beyond the vertices, values that are not finite, or a size that
+            no tool has.
+    """
     vertices = np.asarray(vertices, dtype=np.float64)
     faces = np.asarray(faces)
     if faces.size == 0:
@@ -58,6 +69,7 @@ def edge_products(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
 
 
 def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Areas of the faces (m, 3) of ``vertices`` (n, 3) [m]: (m,) [m^2]."""
     x, y, z = edge_products(vertices, faces)
     return 0.5 * np.sqrt(x * x + y * y + z * z)
 
@@ -65,6 +77,17 @@ def triangle_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 def mirrored_mesh(
     name: str, vertices: np.ndarray, faces: np.ndarray, plane: str, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) [m] and faces (m, 3) with their mirror image at a plane, welded there.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices, faces: of one half.
+        plane: "x" for x = 0, or "y" for y = 0.
+        tolerance: up to which the half may be away from the plane [m].
+
+    Raises:
+        InputError: another plane, or a mesh that does not end at it.
+    """
     if plane not in ("x", "y"):
         raise InputError(f'{name}: mirror contains {plane!r}; "x" (plane x = 0) and "y" (plane y = 0) are allowed.')
     axis = "xy".index(plane)
@@ -137,7 +160,7 @@ def ends_at(coordinate: np.ndarray, tolerance: float) -> bool:
 
 
 def directed_border(border: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Border edges in the direction of their faces."""
+    """Border edges, (k, 2) vertices, in the direction of their faces."""
     count = int(faces.max()) + 1
     at_border = np.zeros(count, dtype=bool)
     at_border[border.ravel()] = True
@@ -175,16 +198,26 @@ def without_unused(vertices: np.ndarray, faces: list[np.ndarray]) -> tuple[np.nd
 
 
 def check_size(name: str, vertices: np.ndarray, unit_scale: float = 1.0) -> None:
+    """Check that vertices (n, 3) are those of a tool; what is not finite is no matter of this.
+
+    Args:
+        name: of the mesh, for messages.
+        vertices: in units of the file.
+        unit_scale: metres per unit.
+
+    Raises:
+        InputError: it is larger or smaller than any tool.
+    """
     if len(vertices) == 0 or not np.all(np.isfinite(vertices)):
         return  # reported by checked_triangles
     size = unit_scale * float(np.ptp(vertices, axis=0).max())
     if size > LARGEST_SIZE:
         raise InputError(
             f"{name} is {size:.4g} m across, above {LARGEST_SIZE:g} m: it is probably in millimetres and 1000 times "
-            "too big. Give unit_scale=0.001 for millimetres."
+            f"too big. Give {unit_wish(1.0e-3)} for millimetres."
         )
     if size < SMALLEST_SIZE:
         raise InputError(
-            f"{name} is {size:.4g} m across, below {SMALLEST_SIZE:g} m: "
-            f"unit_scale, the metres per unit of the file, is {unit_scale:g} and seems too small."
+            f"{name} is {size:.4g} m across, below {SMALLEST_SIZE:g} m: its unit seems too small. Give "
+            f"{unit_wish(1.0)} for metres, {unit_wish(1.0e-3)} for millimetres."
         )

@@ -35,7 +35,7 @@ def neighbours(faces: np.ndarray) -> np.ndarray:
 
 
 def odd_edges(edges: np.ndarray, component: np.ndarray) -> np.ndarray:
-    """Rows of edges that an odd number of faces of their component share."""
+    """Rows of edges, (k,), that an odd number of faces of their component share."""
     key = edge_keys(edges)
     of = np.repeat(component, 3)
     order = np.lexsort((of, key))

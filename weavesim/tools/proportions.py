@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ..input_files import unit_wish
 from ..process.motions.paths import PathMotion
 from ..sheet.sheet import Sheet
 from ..sheet.symmetry import Symmetry
@@ -37,7 +38,8 @@ def disproportionate_tools(sheet: Sheet, tools: Sequence[Tool], symmetry: Symmet
                 times = f"{ratio:.3g} times as large" if ratio > 1.0 else f"{1.0 / ratio:.3g} times as small"
                 sentence = (
                     f"tool {tool.name} is {size:.4g} m across, {times} as the blank of sheet {sheet.name}, "
-                    f"{blank:.4g} m; usual are {low:g} to {high:g} times: check both units (mm, inch; unit_scale)"
+                    f"{blank:.4g} m; usual are {low:g} to {high:g} times: check both units "
+                    f"(mm, inch; {unit_wish(1.0e-3)} for millimetres)"
                 )
                 if USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
                     logger.warning("%s", sentence)

@@ -1,7 +1,8 @@
-"""Time from the command to the first step of a run, with compiled kernels."""
+"""Time from the command to the first step of a run, and of a whole run by its parts, with compiled kernels."""
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -22,6 +23,8 @@ from ...shared.report import line_about, table
 DEFAULT = ("double-dome",)
 # The progress of a run begins with it, once everything is prepared: ten milliseconds before the first step.
 BEGIN = b" 0%"
+# What a command says of a run when its last step is done.
+END = b"finished"
 
 
 class Start(NamedTuple):
@@ -74,3 +77,51 @@ def start(
     typer.echo(f"weavesim {' '.join(given)}: s to the first step, {turns} turns; {line_about(machine())}")
     head = ["", "wall time, least", "median", "processor time, least", "median", "ratio of processor time"]
     typer.echo(table(head, rows, right=True))
+
+
+class Whole(NamedTuple):
+    """Of a run [s]: wall time of its parts, which may overlap by a first frame or a last one."""
+
+    start: float
+    stepping: float
+    output: float
+    after: float
+    all: float
+
+
+def whole_run(arguments: Sequence[str]) -> Whole:
+    """Run the command of this checkout to its end."""
+    variables = {name: value for name, value in environment(ROOT).items() if name != "PYTHONDONTWRITEBYTECODE"}
+    with TemporaryDirectory() as folder:
+        out = Path(folder, "out")
+        command = [sys.executable, "-P", "-m", "weavesim", *arguments, "--out", str(out)]
+        began, at = time.perf_counter(), dict[bytes, float]()
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=variables) as process:
+            for line in process.stderr:
+                at |= {mark: time.perf_counter() for mark in (BEGIN, END) if mark in line and mark not in at}
+        ended = time.perf_counter()
+        # 3: finished, with doubts
+        if process.returncode not in (0, 3) or len(at) != 2:
+            raise SystemExit(f"{' '.join(command)}: exit code {process.returncode}")
+        summary = json.loads((out / "summary.json").read_text())
+    taken = (summary["stepping_time_s"], summary["output_time_s"])
+    return Whole(at[BEGIN] - began, *taken, ended - at[END], ended - began)
+
+
+def whole(
+    arguments: Annotated[
+        list[str] | None, typer.Argument(help="of the command, after -- where there are options [default: double-dome]")
+    ] = None,
+    turns: Annotated[int, typer.Option(min=1, help="runs")] = 3,
+) -> None:
+    """Wall time of whole runs, from the command to the end of its process; the first may compile kernels."""
+    given = tuple(arguments or DEFAULT)
+    rows = []
+    for number in range(turns + 1):
+        run = whole_run(given)
+        share = run.output / (run.stepping + run.output)
+        times = [f"{value:.2f}" for value in run]
+        rows.append([number or "first", *times[:3], f"{share:.0%}", *times[3:]])
+    typer.echo(f"weavesim {' '.join(given)}: s of wall time; {line_about(machine())}")
+    parts = ("to the first step", "stepping", "output within the run", "share of both", "after the last step", "all")
+    typer.echo(table(["run", *parts], rows, right=True))

@@ -66,6 +66,13 @@ def test_the_signal_and_the_verdict_are_named(tmp_path):
     assert text(BROKEN, None, tmp_path).startswith("Stopped early. ")
 
 
+def test_a_report_that_could_not_be_written_is_not_to_be_opened(tmp_path):
+    (tmp_path / "report.html").write_text("page of the middle of the run")
+    told = text({**FINE, "missing": ["film", "report.html"]}, None, tmp_path)
+    assert "film, report.html missing" in told and "Open " not in told
+    assert "Open " in text({**FINE, "missing": ["film"]}, None, tmp_path)
+
+
 def test_only_reports_of_this_run_are_named(tmp_path):
     for name in ("", "one", "two", "another run"):
         (tmp_path / name).mkdir(exist_ok=True)

@@ -158,6 +158,8 @@ def test_a_scene_as_a_job_has_all_its_options_as_comments(tmp_path):
         (("part", "--die", "die.stl", "--mesh-size", "900"), "--mesh-size 900: at most 0.5 m is allowed"),
         (("part", "--die", "die.stl", "--up", "up"), "--up up: one of +z"),
         (("part", "--die", "die.stl", "--unit", "kg"), "--unit kg: a unit of length is needed"),
+        (("part", "--die", "die.stl", "--unit", "m"), "1000 times too big. Give --unit mm for millimetres."),
+        (("part", "--die", "die.stl", "--unit", "um"), "Give --unit m for metres, --unit mm for millimetres."),
         (("part", "--die", "die.stl", "--fabric", "wool"), "fabric 'wool' is unknown"),
         (("a/b", "--die", "die.stl"), "name of the job = 'a/b'"),
         (("part", "--scene", "double-dom"), "did you mean 'double-dome'"),

@@ -3,6 +3,7 @@
 import io
 import logging
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,17 @@ def show(terminal: bool, info, outcome=Outcome.FINISHED) -> str:
     out = io.StringIO()
     play(ProgressBar(Console(file=out, force_terminal=terminal, width=120)), info, outcome)
     return out.getvalue()
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_a_last_step_beyond_the_end_is_no_more_than_all_of_it(info, terminal):
+    out = io.StringIO()
+    bar = ProgressBar(Console(file=out, force_terminal=terminal, width=120))
+    bar.start(info)
+    bar.frame(frame(0))
+    bar.frame(replace(frame(FRAME_COUNT), time=1.02 * DURATION))
+    bar.finish(Outcome.FINISHED)
+    assert "100%" in out.getvalue() and "102%" not in out.getvalue()
 
 
 def test_kinetic_ratio():

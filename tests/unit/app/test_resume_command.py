@@ -108,6 +108,35 @@ def test_cases_are_resumed_in_their_order(tmp_path, monkeypatch):
         resume_folder(tmp_path)
 
 
+def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, caplog):
+    from weavesim.output.writers.tables import TablesWriter
+    from weavesim.scenes import picture_frame
+
+    def full(self, results):
+        raise OSError(28, "No space left on device")
+
+    parameters = picture_frame.SCENE.parameters(
+        out=tmp_path, mesh_size=0.05, frame_count=2, speed=2.0, write="summary,tables"
+    )
+    with monkeypatch.context() as patched:
+        patched.setattr(TablesWriter, "write", full)
+        picture_frame.SCENE.run(parameters)
+    path = tmp_path / "setup.json"
+    original = path.read_text()
+    values = json.loads(original)
+    values["solver"].update(time_step=1.0e-6, threads=1)  # threads may be chosen anew
+    values["frame_count"] = 7
+    path.write_text(json.dumps(values))
+    with pytest.raises(InputError, match=r"\(frame_count was 2 and is 7; solver.time_step was None and is 1e-06\)"):
+        resume_folder(tmp_path)
+    assert json.loads(path.read_text())["frame_count"] == 7 and has_job(tmp_path)
+    # one that is damaged, as after a power failure, is told, and nobody's wish is lost with it
+    path.write_text("{")
+    assert resume_folder(tmp_path)["outcome"] == "finished"
+    assert "the run goes on with the set-up that it began with, written anew" in caplog.text
+    assert path.read_text() == original
+
+
 def test_results_that_had_no_room_are_written_by_a_resume(tmp_path, monkeypatch):
     from weavesim.output.writers.tables import TablesWriter
     from weavesim.scenes import picture_frame

@@ -65,6 +65,18 @@ def test_a_test_that_begins_loaded_is_refused():
         in_order(series(x))
 
 
+@pytest.mark.parametrize(("last", "told"), [([0.4], "0.4 after 1: a single row"), ([0.9, 0.5], "0.9 after 1: 2 rows")])
+def test_a_stray_row_at_the_end_is_no_unloading(last, told):
+    x = np.concatenate([np.linspace(0.0, 1.0, 18), last])
+    with pytest.raises(InputError, match=f"line 20: column 'angle': {told} after a turn, .* leave these out"):
+        in_order(series(x))
+
+
+def test_an_unloading_of_three_rows_is_one():
+    x = np.concatenate([np.linspace(0.0, 1.0, 18), [0.9, 0.7, 0.5]])
+    np.testing.assert_array_equal(in_order(series(x)).x, x)
+
+
 def test_many_rows_are_averaged_on_each_branch():
     x = np.concatenate([np.linspace(0, 1, 5000), np.linspace(1, 0, 5000)])
     found = thinned(series(x, 3.0 * x))

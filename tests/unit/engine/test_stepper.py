@@ -1,6 +1,9 @@
 """How a step is shared out to threads and tiles, and what it launches."""
 
+import os
 import platform
+from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,11 +13,12 @@ from tests.support.runs import one_sheet_run
 from weavesim.device import load_kernel
 from weavesim.engine import sheet_model
 from weavesim.engine import stepper as stepper_module
+from weavesim.engine.replay import Replay
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.engine.threads import ThreadChoice, beside_steps
 from weavesim.engine.tiling import division
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.machine import flush_subnormals, restore_subnormals
+from weavesim.kernels.machine import count_rounds, flush_subnormals, restore_subnormals, wait_for_all
 from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow, ToolWatchRow
 from weavesim.kernels.stepping.step import check_clock
 from weavesim.process.strokes import Stroke
@@ -39,21 +43,27 @@ def free_sheet(monkeypatch, **given) -> Simulation:
 @pytest.mark.parametrize("whole_launches", [False, True])
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_step_is_three_launches(monkeypatch, driven, whole_launches):
-    """Elements, nodes, tools and clock; one more where supports are driven, five every ``REFRESH_INTERVAL`` steps."""
+    """Elements, nodes, tools and clock; one more where supports are driven, five every ``REFRESH_INTERVAL`` steps.
+
+    In a recorded loop each step counts itself, and the block its rounds.
+    """
     drive = Drive(Stroke((0.0, 1.0), (0.0, 0.01)), (1.0, 0.0, 0.0))
     supports = (Support("edge", np.arange(11), drives=(drive,)),) if driven else ()
     simulation = free_sheet(monkeypatch, supports=supports)
     simulation.prepare()
-    launched = []
+    launched, counts = [], []
     for name in ("launch", "launch_tiled"):
-        monkeypatch.setattr(wp, name, lambda kernel, **given: launched.append(kernel.key))
+        monkeypatch.setattr(
+            wp, name, lambda kernel, **given: (counts if kernel is count_rounds else launched).append(kernel.key)
+        )
+    monkeypatch.setattr(wp, "capture_while", lambda count, body: [body() for _ in range(REFRESH_INTERVAL)])
     stepper = simulation.stepper
     if whole_launches:
         stepper._block_of_whole_launches()
     else:
         stepper._block(stepper._launches.divided(1), 0)
     assert len(launched) == (4 if driven else 3) * REFRESH_INTERVAL + 5
-    assert len(set(launched)) == (9 if driven else 8)
+    assert len(set(launched)) == (9 if driven else 8) and len(counts) == (0 if whole_launches else 1 + REFRESH_INTERVAL)
 
 
 @pytest.mark.parametrize("whole_launches", [False, True])
@@ -65,9 +75,10 @@ def test_stepping_does_not_wait_for_the_device(monkeypatch, whole_launches):
     for name in ("launch", "copy", "synchronize", "synchronize_device", "synchronize_stream"):
         monkeypatch.setattr(wp, name, lambda *given, name=name, **more: pytest.fail(f"wp.{name} between two frames"))
     monkeypatch.setattr(wp.array, "numpy", lambda self: pytest.fail("an array was read between two frames"))
-    monkeypatch.setattr(wp, "capture_launch", lambda graph: replayed.append(graph))
+    rounds = simulation.stepper._replay._rounds
+    monkeypatch.setattr(wp, "capture_launch", lambda graph: replayed.append(int(rounds[0])))
     simulation.stepper.advance(7)
-    assert len(replayed) == 7 and simulation.stepper.step_count == 8 * REFRESH_INTERVAL
+    assert sum(replayed) == 7 and simulation.stepper.step_count == 8 * REFRESH_INTERVAL
 
 
 def thrown_sheet(monkeypatch, **given) -> Simulation:
@@ -224,6 +235,53 @@ def test_while_others_of_the_process_compute_they_are_left_a_core_and_no_bit_cha
     assert arrived(free) == arrived(fixed)
 
 
+@contextmanager
+def one_core():
+    """This thread, and those that it starts, share one core."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+pins_threads = pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="threads cannot be given one core here")
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def _wait_and_count(counter: wp.array(dtype=wp.int32), thread_count: wp.int32, spins: wp.array(dtype=wp.int32)):
+    spins[0] = spins[0] + wait_for_all(counter, thread_count)
+
+
+@pins_threads
+def test_threads_that_share_a_core_give_it_away_at_barriers():
+    """Counted is how often they look in vain: a time slice that is spun away is tens of thousands of looks."""
+    thread_count, turns, device = 4, 50, wp.get_device("cpu")
+    counter, spins = (wp.zeros(count, dtype=wp.int32, device=device) for count in (1, thread_count))
+    load_kernel(_wait_and_count, device)
+    replay = Replay(device, thread_count)
+
+    def wait(own):
+        wp.launch(_wait_and_count, 1, [counter, thread_count, own], device=device)
+
+    graphs = [replay.record_rounds(partial(wait, spins[k : k + 1]), k) for k in range(thread_count)]
+    with one_core():
+        replay.run(graphs, turns)
+    assert counter.numpy()[0] == thread_count * turns
+    # 400 before a core is given away at all, and 64 before it is again
+    assert spins.numpy().sum() / (thread_count * turns) < 4000
+
+
+@pins_threads
+def test_more_threads_than_cores_change_no_bit(monkeypatch):
+    alone, crowded = (thrown_sheet(monkeypatch, lane_count=LANES, threads=threads) for threads in (1, 3))
+    alone.stepper.advance(3)
+    with one_core():
+        crowded.stepper.advance(3)
+    assert arrived(crowded) == arrived(alone)
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_constants_side_by_side_and_fetched_ahead_change_no_bit(monkeypatch, precision, threads):
     whole = thrown_sheet(monkeypatch, lane_count=LANES, precision=precision, threads=threads)
@@ -240,16 +298,26 @@ def test_constants_side_by_side_and_fetched_ahead_change_no_bit(monkeypatch, pre
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_large_sheets_record_a_step_instead_of_a_block(monkeypatch, threads):
-    block = thrown_sheet(monkeypatch, threads=threads)
-    block.stepper.advance(3)
-    step = thrown_sheet(monkeypatch, threads=threads)
-    monkeypatch.setattr(stepper_module, "LARGEST_RECORDED_RUN_COUNT", 0)
+def test_a_step_is_recorded_once_and_goes_round_by_itself(monkeypatch, threads):
+    """The same as launch by launch, step by step, block by block."""
+    by_hand = thrown_sheet(monkeypatch)
+    flushed = wp.zeros(1, dtype=wp.int32, device="cpu")
+    wp.launch(flush_subnormals, dim=1, outputs=[flushed], device="cpu")
+    divided = by_hand.stepper._launches.divided(1)
+    for _ in range(3):
+        for _ in range(REFRESH_INTERVAL):
+            by_hand.stepper._step(divided, 0)
+        by_hand.stepper._refresh(1, 0)
+    wp.launch(restore_subnormals, dim=1, inputs=[flushed], device="cpu")
+    replayed = thrown_sheet(monkeypatch, threads=threads)
     launched, launch = [], wp.capture_launch
     monkeypatch.setattr(wp, "capture_launch", lambda graph: [launched.append(graph), launch(graph)])
-    step.stepper.advance(3)
-    assert len(launched) == 3 * (REFRESH_INTERVAL + 1) * threads and len(set(map(id, launched))) == 2 * threads
-    assert arrived(step) == arrived(block)
+    steps, step = [], replayed.stepper._step
+    monkeypatch.setattr(replayed.stepper, "_step", lambda *given: [steps.append(given), step(*given)])
+    replayed.stepper._choice = ThreadChoice((threads,))
+    replayed.stepper.advance(3)
+    assert len(steps) == len(replayed.stepper._block_graphs[threads]) == threads
+    assert arrived(replayed)[1:] == arrived(by_hand)[1:]
 
 
 def test_no_number_of_threads_given_means_all_that_may_be_fastest(monkeypatch):

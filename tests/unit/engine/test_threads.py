@@ -124,6 +124,11 @@ def test_a_given_number_stays():
 def test_before_the_first_turn_nothing_is_known():
     choice = ThreadChoice((1, 2))
     assert choice.block_count() == 1 and choice.count == choice.most_used == 1
+    # then the blocks so far tell how many are left of it
+    choice.report(1, module.PROBE / 10.0)
+    assert choice.block_count() == 9
+    choice.report(9, 0.9 * module.PROBE)
+    assert choice.count == 2
 
 
 @pytest.mark.parametrize(

@@ -165,8 +165,8 @@ def test_a_drawing_in_another_unit_is_asked_about_before_it_is_meshed(tmp_path):
     drawing(tmp_path / "blank.dxf", plate, unit=6)  # metres
     with pytest.raises(InputError, match=r"a ply of 200 x 160 m has about 319,.* elements of 0.01 m: check the unit"):
         job_with(tmp_path, "blank.dxf")
-    with pytest.raises(InputError, match="has about 3,200,000 elements of 0.0001 m"):
-        setup_of(read_job(write_tray(tmp_path), ["ply.mesh_size=0.1 mm"]))
+    with pytest.raises(InputError, match="has about 1,500,000 elements of 0.0002 m"):
+        setup_of(read_job(write_tray(tmp_path), ["ply.mesh_size=0.2 mm", 'ply.rectangle=["0.3 m", "0.2 m"]']))
 
 
 def elements_area(blank):
@@ -255,6 +255,7 @@ def test_a_mesh_of_triangles_gives_its_outline(tmp_path):
         (OBJ + "f 1 4 5 2\n", 'unit = "mm"\nslits = [[[0, 0], [1, 1]]]', "a mesh of quadrilaterals has its own"),
         (OBJ + "f 1 4 5 2\nf 4 7 8\n", 'unit = "mm"', "contains cells that are no elements of a blank"),
         (OBJ, 'unit = "mm"', "has no"),
+        (OBJ + "f 1 4 5 2\n", 'unit = "m"', r'1000 times too big\); scale it to metres \(unit = "mm"\)'),
     ],
 )
 def test_a_broken_mesh_is_refused_with_its_place(tmp_path, content, further, message):

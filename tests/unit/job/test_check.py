@@ -1,5 +1,7 @@
 """The table of what is known before a run: facts, and what to look at."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from tests.support.jobs import TRAY, changed, tray_surface, write_stl, write_tra
 from tests.support.mesh_files import obj_text
 from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
-from weavesim.job.check import check_setup, table_of
+from weavesim.job.check import check_setup, nodal_area, table_of
 from weavesim.job.read import read_job
 from weavesim.sheet.blank import Blank
 
@@ -36,7 +38,6 @@ def test_everything_that_is_asked_for_is_there(tray):
 
 def test_coarse_elements_and_a_fast_punch_are_to_be_looked_at(tray):
     checked, rows = tray
-    assert checked.is_doubtful
     assert rows["speeds", "punch"].judgement == "look"
     assert [row for row in checked.rows if row.what == "smallest radius"][0].judgement == "look"
 
@@ -90,6 +91,37 @@ def test_a_holder_that_is_not_in_touch_is_told(tmp_path):
     changes = ('force = "600 N"', 'force = "600 N"\nclearance = "3 mm"')
     row = rows_of(tmp_path, changes)[1]["forces", "ring"]
     assert row.judgement == "look" and row.value.startswith("3 mm above the sheet")
+
+
+def test_each_node_stands_for_its_share_of_the_elements_around_it():
+    found = nodal_area(np.array([[0, 1, 4, 3], [1, 2, 5, 4]]), np.array([4.0, 8.0]), 7)
+    assert found.tolist() == [1.0, 3.0, 2.0, 1.0, 3.0, 2.0, 0.0]
+
+
+def test_the_pressure_under_a_holder_is_judged_with_the_likely_slip(tmp_path, tray):
+    row = tray[1]["forces", "pressure"]
+    force, area, pressure = (float(part) for part in re.findall(r"[\d.]+(?= N| cm2| kPa)", row.value))
+    # the ring covers the ply but for the opening: 160 mm x 120 mm and its entry radius
+    assert (row.judgement, force) == ("ok", 600.0) and 90.0 < area < 160.0
+    assert pressure == pytest.approx(1e-3 * force / (1e-4 * area), rel=2e-3)
+    row = rows_of(tmp_path, ('force = "600 N"', 'force = "600 kN"'))[1]["forces", "pressure"]
+    assert row.judgement == "look" and row.advice.endswith("to 2000 kPa; was 600 N meant, not kN?")
+    row = rows_of(tmp_path, ('force = "600 N"', "force = 0.5"))[1]["forces", "pressure"]
+    assert row.judgement == "look" and row.advice.endswith("was 0.5 kN meant, not N?")
+
+
+def test_a_force_of_a_stage_counts_under_the_holder(tmp_path):
+    stage = '[[stage]]\nname = "close"\n[[stage.move]]\nname = "ring"\nforce = "600 kN"\n[output]'
+    row = rows_of(tmp_path, ("[output]", stage.replace("[[stage.move]]", 'duration = "5 ms"\n[[stage.move]]')))[1]
+    assert row["forces", "pressure"].judgement == "look"
+
+
+def test_a_tool_that_meets_the_ply_in_a_point_has_no_pressure_yet(tmp_path):
+    ball = 'shape = {kind = "Sphere", radius = "50 mm"}\nfaces = "down"\nstart = "touching"\n'
+    text = TRAY[: TRAY.index('[[tool]]\nname = "punch"')] + f'[[tool]]\nname = "ball"\n{ball}force = "1 kN"\n'
+    path = write_tray(tmp_path, text + '[process]\nduration = "1 ms"\n')
+    rows = [row.what for row in check_setup(setup_of(read_job(path))).rows if row.topic == "forces"]
+    assert rows == ["ball", "mass"]
 
 
 def test_faults_of_a_mesh_are_rows_with_their_places(tmp_path):

@@ -60,6 +60,42 @@ def test_what_is_none_is_refused(text, words):
         number_of(text, QUANTITIES["length"])
 
 
+@pytest.mark.parametrize(
+    ("text", "quantity", "words"),
+    [
+        ("10 mM", "length", "'mM': capitals count in units, since m is milli and M is mega: write 'mm'"),
+        ("10 Mm", "length", "write 'mm'"),
+        ("10 MM", "length", "write 'mm'"),
+        ("10 M", "length", "write 'm'"),
+        ("10 uM", "length", "write 'um'"),
+        ("5 KN", "force", "write 'kN'"),
+        ("5 kn", "force", "write 'kN'"),
+        ("5 mn", "force", "write 'mN' or 'MN'"),
+        ("5 mpa", "pressure", "write 'MPa'"),
+        ("5 KPA", "pressure", "write 'kPa'"),
+        ("5 MS", "time", "write 'ms'"),
+        ("5 KN/mm", "membrane stiffness", "no unit that is known"),
+    ],
+)
+def test_capitals_that_may_mean_another_unit_are_refused(text, quantity, words):
+    with pytest.raises(ValueError, match=words):
+        number_of(text, QUANTITIES[quantity])
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity", "number"),
+    [("2 MN", "force", 2e6), ("2 mN", "force", 2e-3), ("1 Inch", "length", 0.0254), ("45 DEG", "angle", 45.0),
+     ("3 MPa", "pressure", 3e6), ("2 Metres", "length", 2.0)],
+)  # fmt: skip
+def test_capitals_that_mean_one_thing_are_taken(text, quantity, number):
+    assert number_of(text, QUANTITIES[quantity]) == number
+
+
+def test_the_unit_of_a_file_has_its_capitals_too():
+    with pytest.raises(ValueError, match="capitals count in units, .* write 'mm'"):
+        length_unit("MM")
+
+
 def test_an_angle_is_no_plain_number():
     with pytest.raises(ValueError, match="'deg' is no unit of it"):
         number_of("45 deg", QUANTITIES["friction"])

@@ -1,11 +1,14 @@
 """Damaged files of every format: refused in words, or read without a number that is not finite; never slowly."""
 
+import subprocess
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import trimesh
 
+from tests.support.forks import run_program
 from tests.support.mesh_files import (
     ascii_solid,
     binary_stl,
@@ -18,6 +21,7 @@ from tests.support.mesh_files import (
 )
 from weavesim.errors import InputError
 from weavesim.meshes import read_mesh
+from weavesim.meshes.formats import by_meshio
 
 from .formats.test_abaqus import CAE
 from .formats.test_by_meshio import HALVES, WRITERS, write
@@ -106,9 +110,17 @@ def test_damaged_files(tmp_path, name):
     assert read < CASE
 
 
+@pytest.fixture
+def forked_readers(monkeypatch):
+    """Programs that read one file are forks of a process that has loaded meshio: without their start."""
+    apart = SimpleNamespace(DEVNULL=subprocess.DEVNULL, TimeoutExpired=subprocess.TimeoutExpired)
+    apart.run = lambda command, *, timeout, **_: run_program(("numpy", "meshio"), command, timeout)
+    monkeypatch.setattr(by_meshio, "subprocess", apart)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in WRITERS if name != "DIE.VTK"])
-def test_damaged_files_of_meshio(tmp_path, name):
+def test_damaged_files_of_meshio(tmp_path, name, forked_readers):
     path = write(tmp_path / name, HALVES)
     content = path.read_bytes()
     assert len(read_mesh(path).triangles()[0]) == 128
@@ -128,7 +140,7 @@ def test_damaged_files_of_meshio(tmp_path, name):
 
 
 @pytest.mark.parametrize("ending", ["stl", "obj", "ply", "off", "inp", "3mf", "glb", "vtk", "vtu", "msh", "mesh"])
-def test_noise_is_refused(tmp_path, ending):
+def test_noise_is_refused(tmp_path, ending, forked_readers):
     random = np.random.default_rng(5)
     alphabet = np.frombuffer(b"vf0123456789 .-\n*,solidfacet", dtype=np.uint8)
     for k in range(30):

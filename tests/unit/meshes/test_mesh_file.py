@@ -59,6 +59,6 @@ def test_a_unit_in_the_file_must_agree(scale, good):
     if good:
         file.check_unit(scale)
     else:
-        with pytest.raises(InputError, match=r"its unit is 0.001 m, but unit_scale = .* give unit_scale=0.001"):
+        with pytest.raises(InputError, match=r"its unit is 0.001 m, but unit_scale=.* is given: give unit_scale=0.001"):
             file.check_unit(scale)
     mesh(ALL).check_unit(scale)

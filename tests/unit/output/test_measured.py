@@ -65,6 +65,7 @@ def test_measured_outline_is_converted_from_its_unit(tmp_path, text):
         ("point,angle_deg\n1e300,3\n", "line 2: point 1e\\+300"),
         ("point,angle_deg\n1,1,5\n", "line 2: 3 values under 2 names"),
         ("point,angle_deg\n1,120\n", "below 90"),
+        ("point,angle_deg\n1,0.5\n2,-0.6\n", "the largest is 0.6 degrees: are they radians"),
     ],
 )
 def test_bad_measured_angles(tmp_path, text, message):
@@ -73,6 +74,23 @@ def test_bad_measured_angles(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as caught:
         load_measured_angles(path)
     assert str(path) in str(caught.value)
+
+
+def test_small_measured_angles_may_be_accepted(tmp_path):
+    path = tmp_path / "angles.csv"
+    path.write_text("point,angle_deg\n1,0.5\n2,-0.6\n")
+    assert load_measured_angles(path, accept_unusual=True)[1].tolist() == [0.5, -0.6]
+
+
+def test_an_outline_of_another_size_than_the_blank_is_asked_about(tmp_path):
+    path = tmp_path / "outline.csv"
+    path.write_text("x_mm,y_mm\n0.2,0\n0.19,0.02\n")
+    with pytest.raises(InputError, match=r"extends 0.0002 m from the origin, the blank 0.235 m: give the right unit"):
+        load_measured_outline(path, reach=0.235)
+    assert load_measured_outline(path, reach=0.235, accept_unusual=True)[0, 0] == pytest.approx(0.0002)
+    path.write_text("x_m,y_m\n0.2,0\n0.19,0.02\n")
+    with pytest.raises(InputError, match=r'no column x, y among .x_m., .y_m.; a column in metres is called "x \[m\]"'):
+        load_measured_outline(path)
 
 
 def test_unreadable_measured_files(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 from weavesim.errors import InputError
 from weavesim.fabric.presets import glass_polypropylene
 from weavesim.kernels.rows import CellReportRow, ElementField
-from weavesim.run.fields import FIELDS, UNIT_CELL_FAILURE, Field, add_field, complete, in_files
+from weavesim.run.fields import FIELDS, UNIT_CELL_FAILURE, Field, add_field, complete
 
 
 @pytest.fixture
@@ -51,9 +51,11 @@ def test_a_fabric_without_known_fibres_has_no_fraction(rows, report):
 
 
 def test_angles_are_degrees_in_files_and_say_so(rows):
-    files = in_files({**rows, "mine": np.ones(5)})
-    assert files["shear_angle_deg"] == pytest.approx(np.rad2deg(rows["shear_angle"])) and "shear_angle" not in files
-    assert files["warp_force"] is rows["warp_force"] and files["mine"].tolist() == [1.0] * 5
+    known = {field.name: field for field in FIELDS}
+    angle, force = known["shear_angle"], known["warp_force"]
+    assert angle.file_name == "shear_angle_deg"
+    assert angle.in_file(rows["shear_angle"]) == pytest.approx(np.rad2deg(rows["shear_angle"]))
+    assert force.file_name == "warp_force" and force.in_file(rows["warp_force"]) is rows["warp_force"]
 
 
 @pytest.mark.parametrize(

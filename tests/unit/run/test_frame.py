@@ -13,7 +13,7 @@ def test_a_run_of_one_sheet_is_read_without_naming_it(coarse_run):
     assert info.sheet is info.sheets[0]
     assert frames[-1].position is frames[-1].sheets[0].position
     assert info.element_count == info.sheet.blank.element_count
-    assert info.tools_of(info.sheet) == info.tools
+    assert [info.tools[place] for place in info.sheet.tools] == list(info.tools)
 
 
 def test_several_sheets_have_to_be_named(stack):
@@ -22,7 +22,7 @@ def test_several_sheets_have_to_be_named(stack):
         with pytest.raises(InputError, match="this run has 2 sheets"):
             _ = part.sheet
     assert info.element_count == sum(sheet.blank.element_count for sheet in info.sheets)
-    assert info.tools_of(info.sheets[1]) == info.tools[3:]
+    assert [info.tools[place] for place in info.sheets[1].tools] == list(info.tools[3:])
 
 
 def test_tools_of_the_same_name_are_distinguished_in_outputs(stack):

@@ -3,17 +3,19 @@
 import json
 import logging
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from scripts.benchmarks.cases import element_count
 from scripts.benchmarks.compilation import times
-from scripts.benchmarks.compilation.start import start_of
+from scripts.benchmarks.compilation.start import start_of, whole_run
 from tests.support.paths import ROOT
 from tests.support.processes import COARSE
 
@@ -67,10 +69,9 @@ def test_a_checkout_is_timed_against_itself_in_turns():
     assert [line.split(" | ")[3] for line in table.splitlines() if line.startswith("| the other")] == ["1.000"]
 
 
-def test_simulations_of_both_versions_say_how_large_they_are():
-    blank = SimpleNamespace(element_count=7)
-    assert element_count(SimpleNamespace(blank=blank)) == 7
-    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=[SimpleNamespace(blank=blank)]))) == 7
+def test_elements_of_all_sheets_count():
+    sheets = [SimpleNamespace(blank=SimpleNamespace(element_count=count)) for count in (7, 5)]
+    assert element_count(SimpleNamespace(setup=SimpleNamespace(sheets=sheets))) == 12
 
 
 def test_processor_time_is_that_of_a_process_and_of_those_it_waits_for():
@@ -104,6 +105,39 @@ def test_a_start_ends_when_the_run_begins_or_says_why_none_does():
     assert start.processor > 0.0 and start.wall > 0.0
     with pytest.raises(SystemExit, match="(?s)no run has begun: .*mesh-size"):
         start_of(ROOT, ("picture-frame", "--mesh-size", "wide"))
+
+
+@pytest.mark.slow
+def test_the_parts_of_a_whole_run_are_no_more_than_all():
+    run = whole_run(COARSE)
+    assert min(run) > 0.0
+    assert run.start + run.stepping + run.after < run.all
+    with pytest.raises(SystemExit, match="exit code"):
+        whole_run(("picture-frame", "--mesh-size", "wide"))
+
+
+@pytest.mark.slow
+def test_the_bytes_of_a_step_are_the_sum_of_their_parts_and_more_in_contact():
+    lines = benchmark("counts", "--precision", "float32").splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line]
+    of = {row[0]: [float(cell) for cell in row[1:]] for row in cells[1:]}
+    total, _ = of.pop("sum"), of.pop("state")
+    assert np.sum(list(of.values()), axis=0) == pytest.approx(total, abs=0.5 * len(of))
+    # a free patch, then double domes of 2.5 and 10 mm: three tools, three numbers of each, read and written
+    free, dome, coarse = of["friction springs of tools"]
+    assert free == 0.0 and 2 * 3 * 3 * 4 <= dome < coarse < 1.2 * 2 * 3 * 3 * 4
+
+
+def test_the_yarns_bound_the_stable_step_and_no_other_stiffness_does():
+    """An implicit treatment of a term could gain no more than this (decision 69)."""
+    table = benchmark("stiffnesses", "--mesh-size", "0.01")
+    gain = {
+        name: float(gain) for name, gain in re.findall(r"^\| ([\w -]+?) \| \S+ \((.*?)\)", table, flags=re.MULTILINE)
+    }
+    assert gain.pop("none") == 1.0
+    assert gain.pop("yarns and locking") > 5.0
+    assert set(gain) == {"transverse shear", "bending", "in-plane bending", "compression"}
+    assert all(1.0 <= each < 1.05 for each in gain.values())
 
 
 @pytest.mark.slow

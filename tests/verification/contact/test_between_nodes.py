@@ -134,7 +134,7 @@ def test_nodes_and_samples_share_a_weight(cloth, size, manual):
     free[blank.boundary_loop(), 3:] = False
     simulation = one_sheet_run(
         name="rest", blank=blank, fabric=cloth, tools=[Tool("plane", Plane())], duration=1.0, precision="float64",
-        threads=1, free=free, dynamics=Dynamics(gravity=(0.0, 0.0, -9.81), contact_samples="surface"),
+        lane_count=1, threads=1, free=free, dynamics=Dynamics(gravity=(0.0, 0.0, -9.81), contact_samples="surface"),
     )  # fmt: skip
     relax(simulation, tolerance=1e-5)
     depth = 0.5 * cloth.thickness - simulation.frame.position[:, 2]
@@ -242,8 +242,8 @@ def test_a_quarter_is_a_quarter_of_the_whole_and_balances(cloth, manual):
         known="A ball presses a sheet onto a floor, met between nodes too: the ledger closes, and a quarter of the "
         "sheet between symmetry planes gives a quarter of the forces and the same positions.",
     )  # fmt: skip
-    whole = pressed(cloth, Symmetry(()), precision="float64")
-    quarter = pressed(cloth, Symmetry(("x", "y")), precision="float64")
+    whole = pressed(cloth, Symmetry(()), precision="float64", lane_count=1)
+    quarter = pressed(cloth, Symmetry(("x", "y")), precision="float64", lane_count=1)
     for run in (whole, quarter):
         energies = run.frame.energies
         assert energies["friction_loss"] > 0.0

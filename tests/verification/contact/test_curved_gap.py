@@ -32,7 +32,7 @@ def gaps(below: Blank, above: Blank, curved: bool) -> np.ndarray:
         )
         for name, blank, height in (("lower", below, 0.0), ("upper", above, HEIGHT))
     ]  # fmt: skip
-    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=1e-3))
+    run = Simulation(stack_setup(sheets, Coulomb(0.0), duration=1e-3, solver={"lane_count": 1}))
     run.stepper.advance(2)
     (k,) = [k for k, each in enumerate(run.model.passes) if each.place.slave == 1]
     return THICKNESS - pass_rows(run, k)["depth"]

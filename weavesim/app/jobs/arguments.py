@@ -32,13 +32,15 @@ def asked_of_a_job(*, sets: bool = True) -> Iterator[None]:
     Args:
         sets: whether the command has ``--set``.
     """
-    from ...ranges import ACCEPTING
+    from ...ranges import ACCEPTING, ACCEPTING_IN_JOB
 
     try:
         yield
     except InputError as error:
-        if ACCEPTING not in str(error):
+        answer = ACCEPTING_IN_JOB
+        if sets:
+            answer = f"{answer.removesuffix('.')}, or --set accept_unusual=true."
+        told = str(error).replace(ACCEPTING_IN_JOB, answer).replace(ACCEPTING, answer)
+        if told == str(error):
             raise
-        answer = "If this is meant, write accept_unusual = true at the top of the job"
-        answer += ", or --set accept_unusual=true." if sets else "."
-        raise InputError(str(error).replace(ACCEPTING, answer)) from None
+        raise InputError(told) from None

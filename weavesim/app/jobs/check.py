@@ -38,7 +38,8 @@ def check_command(
     from ...output.writer import chosen_writers
     from ...run.scaling.mass import FACTORS
 
-    file = read_job(job, set_ or (), files_from or ())
+    with asked_of_a_job():
+        file = read_job(job, set_ or (), files_from or ())
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
         raise InputError(f"--picture {picture}: a file that ends in {' or '.join(SUFFIXES)} is needed")
     check_writable((picture or job).parent)

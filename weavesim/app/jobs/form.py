@@ -44,7 +44,8 @@ def form_command(
     from ..results.verdict import strict_code
 
     settings = [*(set_ or ()), *([f"output.stop_on={json.dumps(stop_on)}"] if stop_on else [])]
-    file = read_job(job, settings, files_from or ())
+    with asked_of_a_job():
+        file = read_job(job, settings, files_from or ())
     folder = out or job.parent / "out"
     if limits is not None and not strict:
         raise InputError("--limits: has no effect without --strict; leave it out")

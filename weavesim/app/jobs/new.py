@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from ...errors import InputError, did_you_mean
+from ...input_files import IN_COMMAND, units_given_as
 from ..terminal import say
 
 # A gap of the closed tools over the thickness of the fabric, or the inverse; a stack may have many plies.
@@ -70,6 +71,7 @@ def new_command(
     say(f"wrote {folder / JOB_NAME}; next: weavesim check {folder / JOB_NAME}")
 
 
+@units_given_as(IN_COMMAND)
 def _tool_text(
     name: str,
     die: Path,

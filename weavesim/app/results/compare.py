@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...errors import InputError
+from ...input_files import IN_COMMAND, units_given_as
 from ..terminal import say
 
 if TYPE_CHECKING:
@@ -105,9 +106,12 @@ def _with_points(sheets: Sequence[StoredSheet], path: Path, scale: float | None)
     for note in points.notes:
         say(f"note: {note}")
     found = [compare_points(sheet, points) for sheet in sheets]
+    for note in dict.fromkeys(note for each in found for note in each.notes):
+        say(f"note: {note}")
     return [(each.numbers(), partial(_write, write_point_comparison, each)) for each in found]
 
 
+@units_given_as(IN_COMMAND)
 def _with_scan(sheets: Sequence[StoredSheet], path: Path, scale: float | None) -> list[_Found]:
     from ...output.comparison.runs import compare_scan, write_comparison
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from ...errors import InputError
+from ...input_files import IN_COMMAND, units_given_as
 from ..terminal import say
 
 
@@ -27,7 +28,8 @@ def export_command(
         ),
     ] = None,
     unit: Annotated[
-        str | None, typer.Option(help='of the files: "m" (m, N, Pa) or "mm" (mm, N, t, MPa) [default: m]')
+        str | None,
+        typer.Option(help='of the decks: "m" (m, N, Pa) or "mm" (mm, N, t, MPa), and of centres in csv [default: m]'),
     ] = None,
     whole: Annotated[bool, typer.Option("--whole", help="add the mirrored copies of a sheet cut at symmetry")] = False,
     yarns: Annotated[
@@ -88,6 +90,7 @@ def _tell_verdict(run: Path) -> None:
         say(f'note: the verdict of this run is "{verdict}"; weavesim view {run} tells why')
 
 
+@units_given_as(IN_COMMAND.replace("unit", "edge-unit"))
 def _drawings(
     run: Path,
     flat: Path | None,
@@ -119,6 +122,7 @@ def _drawings(
     return write
 
 
+@units_given_as(IN_COMMAND)
 def _formats(
     run: Path,
     to: str,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from ...errors import InputError
+from ...input_files import IN_COMMAND, units_given_as
 from ..jobs.arguments import asked_of_a_job
 from ..terminal import say
 
@@ -139,7 +140,8 @@ def _first_blank(wish: _BlankWish, setup: Setup, sheet: Sheet, drape: KinematicD
     from ...output.flat.part_edge import opening_of, read_part_edge
 
     if wish.part_edge is not None:
-        edge = read_part_edge(wish.part_edge, metres_per_unit=wish.scale)
+        with units_given_as(IN_COMMAND.replace("unit", "edge-unit")):
+            edge = read_part_edge(wish.part_edge, metres_per_unit=wish.scale)
     else:
         names = [tool.name for tool in setup.tools]
         if wish.opening not in names:

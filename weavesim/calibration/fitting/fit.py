@@ -50,9 +50,11 @@ class Unknown:
     rank: int = 0
 
     def inner(self, value: float | np.ndarray) -> np.ndarray:
+        """Its coordinate in a fit, of a value or an array of them: the logarithm, or the value over its size."""
         return np.log(value) if self.is_log else np.asarray(value) / self.size
 
     def outer(self, inner: float | np.ndarray) -> np.ndarray:
+        """Its value, of a coordinate in a fit or an array of them."""
         # what is not determined may be anything
         return np.exp(np.clip(inner, -700.0, 700.0)) if self.is_log else np.asarray(inner) * self.size
 
@@ -80,6 +82,7 @@ class Problem:
 
     @property
     def start(self) -> np.ndarray:
+        """Values of all unknowns where fits begin, (p,)."""
         return np.array([unknown.start for unknown in self.unknowns])
 
     def residuals(self, values: np.ndarray) -> np.ndarray:
@@ -115,7 +118,7 @@ class Fit:
 
     @cached_property
     def chosen(self) -> np.ndarray:
-        """Indices of the unknowns that have an interval."""
+        """Indices of the unknowns that have an interval, (c,)."""
         return np.flatnonzero(self.is_free & ~self.at_bound)
 
     @cached_property
@@ -125,6 +128,7 @@ class Fit:
 
     @cached_property
     def predicted(self) -> np.ndarray:
+        """Predictions of the best values, (n,), in the units of what was observed."""
         return self.problem.predict(self.values[None])[0]
 
     @cached_property

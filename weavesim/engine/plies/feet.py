@@ -32,11 +32,6 @@ class Feet:
     height: np.ndarray
     way: np.ndarray
 
-    @property
-    def on_facet(self) -> np.ndarray:
-        """Which points stand on the sheet, (n,) bool."""
-        return (np.maximum(np.abs(self.xi), np.abs(self.eta)) <= 1.0 + 1.0e-6) & (self.way <= 0.0)
-
 
 def find_feet(
     points: np.ndarray, position: np.ndarray, director: np.ndarray, quads: np.ndarray, thickness: float

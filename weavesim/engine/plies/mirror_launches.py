@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import warp as wp
 
 from ...kernels.plies.mirror import meet_mirror_kernel, watch_mirror_kernel
@@ -14,26 +12,25 @@ from .pass_launches import PassLaunches
 
 
 class MirrorLaunches(PassLaunches):
-    """Launches of one such pass on one state; what concerns facets does nothing."""
+    """Launches of one such pass on one state: the plane does not move, and there are neither facets nor lists.
+
+    Args:
+        model, state, index, squared_speeds: see ``PassLaunches``.
+        normals: of every sheet, written by ``surface_normals``.
+    """
 
     model: MirrorModel
 
     def __init__(
         self, model: MirrorModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
     ) -> None:
-        super().__init__(model, state, index, squared_speeds, normals)
+        super().__init__(model, state, index, squared_speeds)
         self._mirror = model.mirror(state.sheets[model.place.slave].motion, normals[model.place.slave])
 
     def meet(self, first: int, count: int) -> None:
         """Forces on ``count`` blocks of nodes from ``first``, before anything moves."""
         kernel = meet_mirror_kernel(self._real, self._lanes)
         self._launch(kernel, count, [first, self._mirror, self._clock], [self._record])
-
-    def push(self, first: int, count: int, corners: wp.array | None = None) -> None:
-        """Nothing: the plane does not move."""
-
-    def follow(self, found: Any, first: int, count: int) -> None:
-        """Nothing: which nodes face the plane is asked anew in ``seek``."""
 
     def seek(self, first: int, count: int) -> None:
         """Which nodes may touch, and blocks to be watched; the works of the last steps are added to their sums."""
@@ -42,9 +39,3 @@ class MirrorLaunches(PassLaunches):
         self._launch(
             fold_works_kernel(self._real, self._lanes), count, [first], [self._record.works, self._own.works_sum]
         )
-
-    def list_nodes(self, first: int, count: int) -> None:
-        """Nothing: there are no facets."""
-
-    def adopt(self, facets: tuple[int, int], nodes: tuple[int, int]) -> None:
-        """Nothing: there are no lists."""

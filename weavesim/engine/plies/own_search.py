@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from ...kernels.plies.collect import group_speed_kernel, settle_own_search_kernel
+from ...kernels.plies.collect import GROUP, settle_own_search_kernel
 from ...kernels.plies.own_search import (
     SLOT_COUNT,
     bound_groups_kernel,
@@ -17,7 +17,8 @@ from ...kernels.plies.own_search import (
     seek_own_facets_kernel,
     sheet_points_struct,
 )
-from .connectivity import turning_way
+from ...kernels.stepping.step import group_maximum_kernel
+from .connectivity import longest_edge, turning_way
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
 from .pass_launches import group_count
@@ -52,6 +53,8 @@ class OwnSearch:
         nodes, facets = compact_groups(flat), compact_groups(flat[blank.quads].mean(axis=1))
         facet_nodes = nodes_of(facets, blank.quads)
         self._nodes, self._facets = self._bounds(nodes, nodes), self._bounds(facets, facet_nodes)
+        # edges touch up to half of their length away from their nodes
+        self._facets.room = max(0.0, 0.5 * longest_edge(blank) - model.skin)
         cut = nodes_at_cuts(flat, model.on_edge, float(np.sqrt(np.mean(self._sheet.geometry.area))))
         reach = SPARE_REACH * (model.thickness + model.skin)
         hanging = groups_that_hang_together(nodes, facet_nodes, flat, reach, cut)
@@ -115,7 +118,7 @@ class OwnSearch:
         """How far the sheet may move before it is searched again, and which passes have something to do."""
         for values, largest in zip((self.found.urgency, self.found.far_urgency), self._largest, strict=True):
             wp.launch(
-                group_speed_kernel(self._real), dim=len(largest), inputs=[values], outputs=[largest],
+                group_maximum_kernel(self._real, GROUP), dim=len(largest), inputs=[values], outputs=[largest],
                 device=self._device,
             )  # fmt: skip
         wp.launch(

@@ -17,7 +17,7 @@ from ...kernels.plies.collect import (
     survey_groups_kernel,
     survey_struct,
 )
-from ...kernels.plies.data import blocks_per_call, listed_struct, record_struct
+from ...kernels.plies.data import FAR, blocks_per_call, listed_struct, record_struct
 from ...kernels.plies.node_pass import meet_plies_kernel
 from ...kernels.plies.own_search import follow_own_facets_kernel
 from ...kernels.plies.reaction import push_facets_kernel, reaction_struct
@@ -29,39 +29,29 @@ from ...kernels.plies.search import (
 )
 from ..layout import lanes_view
 from ..state import State
-from .pass_model import NEVER, PassModel
+from .pass_model import PassModel
 
 
 class PassLaunches:
-    """Every launch of one pass on one state.
+    """What is launched of any pass on one state: the nodes of a sheet before facets, or before a plane.
 
     Args:
         model: constants of the pass.
         state: of the run.
         index: of the pass.
-        squared_speeds: largest squared speed of every group of blocks of every sheet, written by ``group_speed``.
-        normals: of every sheet, written by ``surface_normals``.
+        squared_speeds: largest squared speed of every group of blocks of every sheet, written by ``PlyLaunches``.
     """
 
-    def __init__(
-        self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
-    ) -> None:
+    def __init__(self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array]) -> None:
         self.model, self._own = model, state.passes[index]
         self._awake = [state.sheets[k].awake for k in (model.place.slave, model.place.master)]
         self._clock, self._speeds = state.clock, squared_speeds
         self._real, self._lanes = model.real, model.lane_count
-        slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
-        self._motion = model.slave.motion_layout.view(slave.motion)
-        self._corners = model.master.corners.view(master.corner_force)
-        self._slaves = model.slaves(slave.motion, normals[model.place.slave])
-        self._facets = model.facets(master.motion, normals[model.place.master])
-        self._law, self._search = model.law(), model.search()
-        self._record, self._reaction = self._make_record(slave.contact_force), self._make_reaction()
-        self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()
+        self._search = model.search()
+        self._record = self._make_record(state.sheets[model.place.slave].contact_force)
         self.facet_group_count = self._search.group.shape[1]
         self._watch, self._survey = self._make_watch(), self._make_survey()
         self.node_block_count = model.slave.block_count
-        self.facet_block_count = model.master.element_count // self._lanes
 
     def _make_record(self, total: wp.array) -> Any:
         record, own = record_struct(self._real, self._lanes)(), self._own
@@ -70,22 +60,6 @@ class PassLaunches:
         record.works, record.total = lanes_view(own.works, self._lanes), lanes_view(total, self._lanes)
         record.way, record.last_step, record.entry = own.way, own.last_step, own.entry
         return record
-
-    def _make_reaction(self) -> Any:
-        reaction, own, rows = reaction_struct(self._real, self._lanes)(), self._own, self.model.rows
-        reaction.listed = lanes_view(own.listed, self._lanes)
-        reaction.count, reaction.standing, reaction.rows = own.block_count, own.standing, own.rows
-        reaction.row_count, reaction.stride, reaction.entry = rows.row_count, rows.stride, own.entry
-        return reaction
-
-    @staticmethod
-    def _lists(nodes: wp.array, count: wp.array) -> Any:
-        listed = listed_struct()()
-        listed.node, listed.count = nodes, count
-        return listed
-
-    def _scratch_lists(self) -> Any:
-        return self._lists(wp.zeros_like(self._own.listed), wp.zeros_like(self._own.listed_count))
 
     def _make_watch(self) -> Any:
         watch, slave, device = watch_struct(self._real)(), self.model.slave, self.model.device
@@ -97,7 +71,7 @@ class PassLaunches:
         watch.foot = wp.zeros(slave.node_count, dtype=self.model.types.vec3, device=device)
         watch.stray = wp.zeros(slave.node_count, dtype=wp.int32, device=device)
         # the first update makes the boxes
-        watch.drift = wp.full(1, NEVER, dtype=self._real, device=device)
+        watch.drift = wp.full(1, float(FAR), dtype=self._real, device=device)
         watch.low, watch.high = (
             wp.zeros(self.facet_group_count, dtype=self.model.types.vec3, device=device) for _ in range(2)
         )
@@ -120,6 +94,67 @@ class PassLaunches:
         """Threads of a launch on ``count`` blocks, each of which does a few."""
         return -(-count // blocks_per_call(self._lanes))
 
+    def meet(self, first: int, count: int) -> None:
+        """Contact forces on ``count`` blocks of nodes from ``first``, before anything moves."""
+        raise NotImplementedError
+
+    def plan(self) -> None:
+        """How far both plies may move until the next update."""
+        speeds = [self._speeds[self.model.place.slave], self._speeds[self.model.place.master]]
+        self._launch(
+            plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch, *self._awake]
+        )
+
+    def seek(self, first: int, count: int) -> None:
+        """What ``count`` blocks of nodes from ``first`` may touch; works of the last steps are added to their sums."""
+        raise NotImplementedError
+
+    def collect(self) -> None:
+        """Nodes that have just found a foot, and whether the lists are made anew."""
+        blocks, nodes = self._survey.travel.shape[0], self._survey.stray.shape[0]
+        self._launch(survey_groups_kernel(self._real), blocks, [self._watch, self._own.way], [self._survey])
+        self._launch(count_strays_kernel(self._real), nodes, [self._watch], [self._survey])
+        self._launch(sum_up_kernel(self._real), 1, [self._search, self._watch, self._survey, *self._awake])
+        self._launch(list_strays_kernel(self._real), nodes, [self._watch, self._survey])
+
+
+class FacetLaunches(PassLaunches):
+    """Every launch of the nodes of one sheet on the facets of another, or of their own.
+
+    Args:
+        model, state, index, squared_speeds: see ``PassLaunches``.
+        normals: of every sheet, written by ``surface_normals``.
+    """
+
+    def __init__(
+        self, model: PassModel, state: State, index: int, squared_speeds: list[wp.array], normals: list[wp.array]
+    ) -> None:
+        super().__init__(model, state, index, squared_speeds)
+        slave, master = state.sheets[model.place.slave], state.sheets[model.place.master]
+        self._motion = model.slave.motion_layout.view(slave.motion)
+        self._corners = model.master.corners.view(master.corner_force)
+        self._slaves = model.slaves(slave.motion, normals[model.place.slave])
+        self._facets = model.facets(master.motion, normals[model.place.master])
+        self._law, self._reaction = model.law(), self._make_reaction()
+        self._listed, self._made = self._lists(self._own.listed, self._own.listed_count), self._scratch_lists()
+        self.facet_block_count = model.master.element_count // self._lanes
+
+    def _make_reaction(self) -> Any:
+        reaction, own, rows = reaction_struct(self._real, self._lanes)(), self._own, self.model.rows
+        reaction.listed = lanes_view(own.listed, self._lanes)
+        reaction.count, reaction.standing, reaction.rows = own.block_count, own.standing, own.rows
+        reaction.row_count, reaction.stride, reaction.entry = rows.row_count, rows.stride, own.entry
+        return reaction
+
+    @staticmethod
+    def _lists(nodes: wp.array, count: wp.array) -> Any:
+        listed = listed_struct()()
+        listed.node, listed.count = nodes, count
+        return listed
+
+    def _scratch_lists(self) -> Any:
+        return self._lists(wp.zeros_like(self._own.listed), wp.zeros_like(self._own.listed_count))
+
     # --- a step ------------------------------------------------------------------------------------------------------
 
     def meet(self, first: int, count: int) -> None:
@@ -141,13 +176,6 @@ class PassLaunches:
 
     # --- an update of the stable step, in this order, with a barrier between ------------------------------------------
 
-    def plan(self) -> None:
-        """How far both plies may move until the next update."""
-        speeds = [self._speeds[self.model.place.slave], self._speeds[self.model.place.master]]
-        self._launch(
-            plan_search_kernel(self._real), 1, [self._search, self._clock, *speeds], [self._watch, *self._awake]
-        )
-
     def bound(self, first: int, count: int) -> None:
         """Boxes of ``count`` groups of facets from ``first``, where strays are sought."""
         self._launch(bound_facets_kernel(self._real), count, [first, self._facets, self._search, self._watch])
@@ -164,14 +192,6 @@ class PassLaunches:
             [first, self._facets, self._search, self._motion, self._listed],
             [self._record, self._watch, self._own.works_sum],
         )  # fmt: skip
-
-    def collect(self) -> None:
-        """Nodes that have just found a foot, and whether the lists are made anew."""
-        blocks, nodes = self._survey.travel.shape[0], self._survey.stray.shape[0]
-        self._launch(survey_groups_kernel(self._real), blocks, [self._watch, self._own.way], [self._survey])
-        self._launch(count_strays_kernel(self._real), nodes, [self._watch], [self._survey])
-        self._launch(sum_up_kernel(self._real), 1, [self._search, self._watch, self._survey, *self._awake])
-        self._launch(list_strays_kernel(self._real), nodes, [self._watch, self._survey])
 
     def list_nodes(self, first: int, count: int) -> None:
         """New lists of ``count`` blocks of facets from ``first``."""

@@ -10,7 +10,7 @@ import numpy as np
 import warp as wp
 
 from ...kernels.contact.friction import friction_law_struct
-from ...kernels.plies.data import contact_law_struct, slaves_struct
+from ...kernels.plies.data import UNSOUGHT, contact_law_struct, slaves_struct
 from ...kernels.plies.own_search import SLOT_COUNT
 from ...kernels.plies.search import search_struct
 from ...kernels.rows import PLY_RECORD_LENGTH, PlyRow
@@ -30,8 +30,6 @@ SKIN_SHARE = 0.3
 # Coordinates up to which feet may lie beyond a free edge: rounding between plies, and at most within a sheet.
 FARTHEST_OF_PLIES = 1.001
 LARGEST_FARTHEST = 1.85
-# Way of a node that never seeks a foot by itself [m].
-NEVER = 1.0e30
 # Slots of a list of candidates, over the mean number of nodes within its box.
 SPARE_SLOTS = 3.0
 
@@ -228,7 +226,7 @@ class PassModel:
         if self.is_own:
             count = self.slave.blank.node_count
             none = np.zeros(count)
-            return Feet(none.astype(np.int32), none, none, none, np.full(count, NEVER))
+            return Feet(none.astype(np.int32), none, none, none, np.full(count, float(UNSOUGHT)))
         master = self.master.blank
         points = self.slave.blank.node_position
         return find_feet(points, master.node_position, master.initial_director, master.quads, self.thickness)

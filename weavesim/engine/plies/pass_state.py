@@ -8,11 +8,12 @@ from typing import Self
 import numpy as np
 import warp as wp
 
+from ...kernels.contact.friction import UNMET
 from ...kernels.pass_entries import PassEntry
-from ...kernels.plies.data import NO_DEPTH, TOO_MANY
+from ...kernels.plies.data import NO_DEPTH, TOO_MANY, UNSOUGHT
 from ...kernels.rows import PlyRow, PlyWorkRow
 from .feet import Feet
-from .pass_model import NEVER, PassModel
+from .pass_model import PassModel
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,9 @@ class PassState:
         rows = np.zeros((PlyRow.row_count(), node_count))
         rows[PlyRow.xi, :count], rows[PlyRow.eta, :count] = feet.xi, feet.eta
         rows[PlyRow.depth] = float(NO_DEPTH)
-        rows[PlyRow.stray] = NEVER
+        rows[PlyRow.stray] = float(UNSOUGHT)
         rows[PlyRow.stray, :count] = np.maximum(feet.way, 0.0)
-        rows[PlyRow.low] = NEVER
+        rows[PlyRow.low] = float(UNMET)
         # the first search makes the lists
         rows[PlyRow.travel] = 0.75 * model.skin
         facet = np.zeros(node_count, dtype=np.int32)
@@ -82,7 +83,7 @@ class PassState:
 def forget_arguments(state: PassState, model: PassModel) -> None:
     """Extremes of the argument of a law of friction begin anew."""
     rows = model.rows.read(state.rows)
-    rows[PlyRow.low], rows[PlyRow.high] = NEVER, 0.0
+    rows[PlyRow.low], rows[PlyRow.high] = float(UNMET), 0.0
     state.rows.assign(model.rows.flat(rows))
 
 

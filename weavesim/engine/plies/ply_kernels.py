@@ -5,10 +5,10 @@ from __future__ import annotations
 import warp as wp
 
 from ...kernels.plies.collect import (
+    GROUP,
     adopt_lists_kernel,
     begin_travel_kernel,
     count_strays_kernel,
-    group_speed_kernel,
     list_nodes_kernel,
     list_strays_kernel,
     settle_own_search_kernel,
@@ -30,6 +30,7 @@ from ...kernels.plies.search import (
     plan_search_kernel,
     seek_feet_kernel,
 )
+from ...kernels.stepping.step import group_maximum_kernel
 from ..creases.crease_launches import crease_kernels
 
 
@@ -44,7 +45,7 @@ def ply_kernels(real: type, lane_count: int) -> list[wp.Kernel]:
         surface_normals_kernel(real, lane_count),
         watch_speed_kernel(real, lane_count),
         begin_travel_kernel(real, lane_count),
-        group_speed_kernel(real),
+        group_maximum_kernel(real, GROUP),
         survey_groups_kernel(real),
         count_strays_kernel(real),
         sum_up_kernel(real),

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import warp as wp
 
-from ...kernels.plies.collect import group_speed_kernel, watch_speed_kernel
+from ...kernels.plies.collect import GROUP, watch_speed_kernel
 from ...kernels.plies.own_search import SLOT_COUNT
+from ...kernels.stepping.step import group_maximum_kernel
 from ..creases.crease_launches import CreaseLaunches
 from ..model import Model
 from ..state import State
@@ -17,7 +18,7 @@ from .mirror_launches import MirrorLaunches
 from .mirror_model import MirrorModel
 from .normals import NormalLaunch
 from .own_search import OwnSearch
-from .pass_launches import PassLaunches, group_count
+from .pass_launches import FacetLaunches, PassLaunches, group_count
 from .ply_kernels import mirror_kernels, own_contact_kernels, ply_kernels
 
 
@@ -46,12 +47,13 @@ class PlyLaunches:
             for index in self._touched
         }
         normals = [self._normals[index].normals if index in touched else speeds[index] for index in range(len(speeds))]
-        self._passes = [
+        self._passes: list[PassLaunches] = [
             MirrorLaunches(each, state, index, self._group_speeds, normals)
             if isinstance(each, MirrorModel)
-            else PassLaunches(each, state, index, self._group_speeds, normals)
+            else FacetLaunches(each, state, index, self._group_speeds, normals)
             for index, each in enumerate(model.passes)
         ]
+        self._on_facets = [each for each in self._passes if isinstance(each, FacetLaunches)]
         self._own = {
             each.place.slave: OwnSearch(
                 each,
@@ -101,7 +103,7 @@ class PlyLaunches:
 
     def push(self, sheet: int, first: int, count: int, ring: CornerRing | None = None) -> None:
         """Reactions on ``count`` blocks of elements of a sheet from ``first``, after their own forces."""
-        for each in self._passes:
+        for each in self._on_facets:
             if each.model.place.master == sheet:
                 each.push(first, count, None if ring is None else ring.at(first))
 
@@ -121,7 +123,7 @@ class PlyLaunches:
     def _find_group_speeds(self, index: int) -> None:
         sheet, largest = self._model.sheets[index], self._group_speeds[index]
         wp.launch(
-            group_speed_kernel(sheet.real), dim=len(largest), inputs=[self._speeds[index]], outputs=[largest],
+            group_maximum_kernel(sheet.real, GROUP), dim=len(largest), inputs=[self._speeds[index]], outputs=[largest],
             device=sheet.device,
         )  # fmt: skip
 
@@ -133,7 +135,7 @@ class PlyLaunches:
             for each in self._passes:
                 each.plan()
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             each.bound(*chunks(each.facet_group_count, thread_count)[thread])
         for index in self._sought:
             count = self._model.sheets[index].block_count
@@ -142,7 +144,7 @@ class PlyLaunches:
         yield
         yield from self._search_within_sheets(thread_count, thread)
         for each in self._passes:
-            if each.model.is_own:
+            if isinstance(each, FacetLaunches) and each.model.is_own:
                 found = self._own[each.model.place.slave].found
                 each.follow(found, *chunks(each.node_block_count, thread_count)[thread])
             each.seek(*chunks(each.node_block_count, thread_count)[thread])
@@ -153,11 +155,11 @@ class PlyLaunches:
                 each.collect()
         self._search_creases(5, thread_count, thread)
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             each.list_nodes(*chunks(each.facet_block_count, thread_count)[thread])
         self._search_creases(6, thread_count, thread)
         yield
-        for each in self._passes:
+        for each in self._on_facets:
             facets, nodes = chunks(each.facet_block_count, thread_count), chunks(each.node_block_count, thread_count)
             each.adopt(facets[thread], nodes[thread])
         self._search_creases(7, thread_count, thread)

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from ...kernels.contact.friction import UNMET
 from ..layout import BLOCK, lanes_view
 from ..sheet_model import SheetModel
-
-# An argument that has not been met; the start of the smallest one, and its opposite that of the largest.
-NEVER = 1.0e30
 
 
 def argument_rows(sheet: SheetModel, count: int) -> np.ndarray:
@@ -23,7 +21,7 @@ def argument_rows(sheet: SheetModel, count: int) -> np.ndarray:
     """
     if not sheet.node_traits.friction_laws:
         return np.zeros((2, BLOCK if count else 0))
-    return np.tile([[NEVER], [-NEVER]], (max(sheet.tool_count, 1), count))
+    return np.tile([[float(UNMET)], [-float(UNMET)]], (max(sheet.tool_count, 1), count))
 
 
 def set_friction(touch: Any, sheet: SheetModel, argument: wp.array, *, samples: bool) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 
 from .tiles import Part, Tile
 
-# What waits for another thread is never overwritten.
-NEVER = np.iinfo(np.int64).max
+# Reader of what waits for another thread, after all tiles: it is never overwritten.
+AFTER_ALL = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,10 @@ def _blocks(tile: Tile) -> np.ndarray:
 
 
 def _last_readers(element_nodes: np.ndarray, lane_count: int, parts: Sequence[Part]) -> np.ndarray:
-    """For every tile, over all parts in sequence, the last one whose nodes read what it writes, or NEVER."""
+    """For every tile, over all parts in sequence, the last one whose nodes read what it writes, or AFTER_ALL."""
     tiles = [tile for part in parts for tile in part.tiles]
     tile_of_block = np.empty(element_nodes.shape[1] // lane_count, dtype=np.int64)
-    moved_by = np.full(element_nodes.max() // lane_count + 1, NEVER)
+    moved_by = np.full(element_nodes.max() // lane_count + 1, AFTER_ALL)
     for index, tile in enumerate(tiles):
         tile_of_block[_blocks(tile)] = index
         for first, count in tile.nodes:

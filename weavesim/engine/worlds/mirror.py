@@ -85,6 +85,7 @@ class Mirror:
 
     @property
     def world_count(self) -> int:
+        """How many worlds it steps."""
         return len(self._memories)
 
     def _uploaded(self, k: int) -> wp.array:

@@ -49,7 +49,7 @@ class FamilyBending(Kinded):
 
     @abstractmethod
     def moment(self, curvature: np.ndarray) -> np.ndarray:
-        """Elastic moment per width [N]."""
+        """Elastic moment per width [N], of the shape of the curvatures."""
 
     @property
     @abstractmethod

@@ -108,10 +108,12 @@ class CrossedYarns(UnitCell):
 
     @property
     def half_spacing(self) -> tuple[float, float]:
+        """L of warp and weft: half the distance of the crossovers along each [m]."""
         return self.warp_half_spacing, self.weft_half_spacing
 
     @property
     def crimp_height(self) -> tuple[float, float]:
+        """h of warp and weft: heights of their axes at a crossover over its middle [m]."""
         return self.warp_crimp_share * self.crossover_height, (1.0 - self.warp_crimp_share) * self.crossover_height
 
     @property

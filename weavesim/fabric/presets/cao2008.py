@@ -43,15 +43,3 @@ def consensus_moment() -> tuple[np.ndarray, np.ndarray]:
         Wanted("angle", "rad"), Wanted("frame mean", "N/m"), Wanted("bias mean", "N/m")
     ).values
     return angle, 0.5 * (frames + bias) * np.cos(angle)
-
-
-def scatter_at(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest moment per reference area [N/m] over all frames and bias series, at angles (n,) [rad]."""
-    table = read_table(FOLDER / "consensus.csv", "table")
-    columns = table.columns(
-        Wanted("angle", "rad"), Wanted("frame least", "N/m"), Wanted("bias least", "N/m"),
-        Wanted("frame largest", "N/m"), Wanted("bias largest", "N/m"),
-    ).values  # fmt: skip
-    least, largest = np.minimum(columns[1], columns[2]), np.maximum(columns[3], columns[4])
-    factor = np.cos(angle)
-    return np.interp(angle, columns[0], least) * factor, np.interp(angle, columns[0], largest) * factor

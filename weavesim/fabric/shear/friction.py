@@ -119,7 +119,7 @@ class ShearFriction(CrossoverFriction):
         )  # fmt: skip
 
     def limit_at(self, angle: np.ndarray) -> np.ndarray:
-        """Moment at which the yarns slip without tension [N/m]."""
+        """Moment at which the yarns slip without tension [N/m], of the shape of the angles."""
         return np.interp(np.abs(angle), self.angle, self.limit)
 
     @property

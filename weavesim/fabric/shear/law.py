@@ -24,7 +24,7 @@ class ShearLaw(Kinded):
 
     @abstractmethod
     def moment(self, angle: np.ndarray, thickness: float) -> np.ndarray:
-        """m(gamma) at unit stretch [N/m], for angles [rad] in a sheet of the given thickness [m]."""
+        """m(gamma) at unit stretch [N/m], of the shape of the angles [rad], in a sheet of the given thickness [m]."""
 
     @abstractmethod
     def device_form(self, thickness: float) -> DeviceForm:

@@ -216,7 +216,7 @@ class MomentCurve(ShearLaw):
         return cls(angle=tuple(angle.tolist()), moment_values=(0.0, *(0.5 * (up + down))[1:].tolist()), **options)
 
     def moment(self, angle: np.ndarray, thickness: float = 0.0) -> np.ndarray:
-        """m(gamma) [N/m], including locking."""
+        """m(gamma) [N/m], including locking, of the shape of the angles."""
         size = np.abs(angle)
         x = np.maximum(size - self.locking_angle, 0.0)
         width = self.locking_width

@@ -39,7 +39,9 @@ def plies_of(file: JobFile) -> tuple[tuple[int, PlyTable], ...]:
             continue
         for number, angle in enumerate(angles_of(ply.layup), start=1):
             values = {name: getattr(ply, name) for name in ply.model_fields_set if name != "layup"}
-            found.append((index, PlyTable(**{**values, "name": f"{ply.name}_{number}", "angle": angle})))
+            made = PlyTable(**{**values, "name": f"{ply.name}_{number}", "angle": angle})
+            file.ask(["ply", index, "layup"], made)
+            found.append((index, made))
     names = [ply.name for _, ply in found]
     used = {ply.fabric for ply in file.job.ply}
     for name in file.job.fabric:

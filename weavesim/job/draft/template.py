@@ -26,7 +26,6 @@ ELEMENTS_ON_RADIUS = 5.0
 RING_PRESSURE = 20.0e3
 # Mean pressure of the press on the opening, at which its stroke waits [Pa].
 PRESS_PRESSURE = 1.0e6
-RING_TRAVEL_TIME_SHARE = 0.01
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,7 @@ class Grid:
     blocks: list[Block] = field(default_factory=list)
 
     def with_more(self, other: Grid) -> Grid:
+        """This grid and what ``other`` has of it, under its own name."""
         return Grid(self.name, self.nodes + other.nodes, self.blocks + other.blocks)
 
     def resolved(self, source: Source, notes: list[str]) -> tuple[np.ndarray, np.ndarray, list[Block]]:

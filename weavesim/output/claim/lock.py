@@ -38,10 +38,7 @@ class FolderLock:
         try:
             lock.acquire()
         except Timeout:
-            raise InputError(
-                f"output folder {self._folder}: {_holder(self._folder)} is writing to it; wait until that has ended, "
-                "or give another folder"
-            ) from None
+            raise _taken(self._folder) from None
         except OSError as error:
             raise InputError(
                 f"output folder {self._folder}: cannot be locked ({error.strerror or error}); give another folder"
@@ -53,6 +50,16 @@ class FolderLock:
         if self._lock is not None:
             self._lock.release()
             self._lock = None
+
+
+def check_unlocked(folder: Path) -> None:
+    """Check that no run writes to a folder, before what it has written is taken for what an earlier run left.
+
+    Raises:
+        InputError: one does.
+    """
+    if is_locked(folder):
+        raise _taken(folder)
 
 
 def is_locked(folder: Path) -> bool | None:
@@ -71,6 +78,12 @@ def is_locked(folder: Path) -> bool | None:
         return None
     lock.release()
     return False
+
+
+def _taken(folder: Path) -> InputError:
+    return InputError(
+        f"output folder {folder}: {_holder(folder)} is writing to it; wait until that has ended, or give another folder"
+    )
 
 
 def _holder(folder: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,11 @@ from ..stored.file import StoredSheet
 from ..tables import write_table
 from .fields import FIELDS, UNITS, keyed
 from .runs import LARGEST_RATIO, interpolated, nearest_rows, statistics
+
+# Points farther from the sheet than this share of its diagonal were not measured on it.
+FAR = 0.2
+# Measured angles that may be radians: none beyond this [degrees], and the sheet's are this many times as large.
+LARGEST_RADIAN, RATIO_OF_RADIANS = 0.5 * math.pi, 20.0
 
 TABLES = (".csv", ".txt", ".tsv", ".dat", ".xyz")
 
@@ -116,6 +122,7 @@ class PointComparison:
         position: these, formed, (k, 3) [m].
         distance: to the measured places, (k,) [m]; None without such.
         values: of the sheet and as measured, by field, two of (k,) each.
+        notes: what a user must know of the comparison.
     """
 
     sheet: StoredSheet
@@ -124,6 +131,7 @@ class PointComparison:
     position: np.ndarray
     distance: np.ndarray | None
     values: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def other(self) -> str:
@@ -146,7 +154,8 @@ class PointComparison:
 def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointComparison:
     """Compare at measured points; those beyond planes of symmetry are taken at their mirror images.
 
-    A point with a place on the flat blank is compared with that material; others with the nearest point of the surface.
+    A point with a place on the flat blank is compared with that material; others with the nearest point of the surface,
+    unless they are farther from it than a fifth of the sheet's diagonal: these do not count, and are told.
 
     Raises:
         InputError: no point lies on the sheet, or they are of another size, so that the unit is wrong.
@@ -162,10 +171,22 @@ def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointCompariso
             places[:, mirrors] = side * np.abs(places[:, mirrors])
     _check_size(points, flat, blank.material_coordinates)
     _check_size(points, space, sheet.position)
-    distance = None
+    distance, notes = None, []
     if flat is None:
         assert space is not None
         flat, position, distance = _under(sheet, space)
+        far = distance > FAR * np.linalg.norm(np.ptp(sheet.position, axis=0))
+        if far.all():
+            raise InputError(
+                f"compare: {points.name}: none of its points lies on {sheet.name}; the nearest is "
+                f"{1e3 * distance.min():.4g} mm off: bring them into the place of the tools"
+            )
+        if far.any():
+            notes.append(
+                f"{points.name}: {far.sum()} of {len(far)} points are not on {sheet.name}, up to "
+                f"{1e3 * distance.max():.4g} mm off; they do not count"
+            )
+            flat[far], position[far], distance[far] = np.nan, np.nan, np.nan
     else:
         position = interpolated(blank.material_coordinates, sheet.position, flat)
         flat = np.where(np.isfinite(position[:, :1]), flat, np.nan)
@@ -185,7 +206,19 @@ def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointCompariso
         inside = interpolated(centre, own, flat[known])
         found[known] = np.where(np.isfinite(inside), inside, own[nearest_rows(centre, flat[known])])
         values[key] = found, measured
-    return PointComparison(sheet, points, flat, position, distance, values)
+        if UNITS.get(key) == "degrees":
+            notes += _radians(key, found, measured)
+    return PointComparison(sheet, points, flat, position, distance, values, tuple(notes))
+
+
+def _radians(key: str, own: np.ndarray, measured: np.ndarray) -> Iterator[str]:
+    """A note if measured angles look like radians that were called degrees."""
+    top, typical = np.abs(measured).max(), np.nanmean(np.abs(own)) if np.isfinite(own).any() else 0.0
+    if 0.0 < top <= LARGEST_RADIAN and typical > RATIO_OF_RADIANS * np.abs(measured).mean():
+        yield (
+            f"{_plain(key)}: measured are {top:.3g} degrees at most, where the sheet has {typical:.3g} on average: are "
+            f'they radians? Then call the column "{_plain(key)} [rad]"'
+        )
 
 
 def _check_size(points: MeasuredPoints, given: np.ndarray | None, own: np.ndarray) -> None:

@@ -13,7 +13,6 @@ from .units import UnitSystem
 _ABAQUS_TYPES = {"triangle": "S3", "quad": "S4R", "triangle6": "STRI65", "quad8": "S8R"}
 # CalculiX takes composite sections on these only.
 _CALCULIX_TYPES = {"triangle6": "S6", "quad8": "S8R"}
-_LINE = 16
 
 
 def abaqus_deck(parts: Sequence[Part], lamina: Lamina, units: UnitSystem) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...measures.units import with_unit
 from ...version import __version__
 from ..files import replacing
 from ..stored.file import StoredRun, write_values
@@ -73,7 +74,8 @@ def write_vtkhdf(path: Path, part: Part) -> None:
         values: dict[str, np.ndarray] = {"element_number": mesh.labels}
         for number in range(len(part.plies)):
             start = f"ply{number + 1}_" if len(part.plies) > 1 else ""
-            values |= {f"{start}{name}": value.values for name, value in part_values(part, number).items()}
+            named = part_values(part, number).items()
+            values |= {f"{start}{with_unit(name, value.unit)}": value.values for name, value in named}
         _fill(root.create_group("CellData"), values)
 
 
@@ -83,12 +85,15 @@ def _fill(group: Any, values: dict[str, np.ndarray]) -> None:
 
 
 def write_csv(path: Path, part: Part, number: int, units: UnitSystem) -> None:
-    """One ply: a row for each element, with its number, centre and values in SI units; coordinates in ``units``."""
+    """One ply: a row for each element, with its number, centre and values; every name ends in its unit.
+
+    Centres are in ``units``, all else in SI units and degrees.
+    """
     columns: dict[str, np.ndarray] = {"element": part.mesh.labels}
     for axis, values in zip("xyz", (units.length * part.mesh.centres).T, strict=True):
         columns[f"centre_{axis}_{units.name}"] = values
     for name, value in part_values(part, number).items():
-        columns |= dict(_columns(name, value.values))
+        columns |= {with_unit(column, value.unit): values for column, values in _columns(name, value.values)}
     write_table(path, list(columns), zip(*(values.tolist() for values in columns.values()), strict=True))
 
 

@@ -33,7 +33,7 @@ class Export:
     Attributes:
         formats: names among ``FORMATS``.
         folder: of the files.
-        unit: of lengths, "m" or "mm", also those of the mesh to map onto; stresses follow.
+        unit: of lengths, "m" or "mm", also those of the mesh to map onto; stresses of decks follow.
         map_onto: mesh file that gets the plies; None for the sheets' own meshes.
         within: largest distance between that mesh and the formed sheets [m].
         whole: with mirrored copies.

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ...errors import InputError
 from .lamina import Lamina
-from .part import Part
+from .part import Part, check_columns
 from .units import UnitSystem
 
 _MATERIAL = 1
-_LARGEST_LABEL = 99_999_999
 
 
 def nastran_deck(parts: Sequence[Part], lamina: Lamina, units: UnitSystem) -> str:
@@ -19,9 +17,7 @@ def nastran_deck(parts: Sequence[Part], lamina: Lamina, units: UnitSystem) -> st
     Raises:
         InputError: a number of a node or an element that is too long for its columns.
     """
-    for part in parts:
-        if max(part.mesh.labels.max(), part.mesh.node_labels.max()) > _LARGEST_LABEL:
-            raise InputError(f"part {part.name}: Nastran takes numbers up to {_LARGEST_LABEL}; renumber the mesh")
+    check_columns(parts, "Nastran")
     return "\n".join(_lines(parts, lamina, units)) + "\n"
 
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from ...errors import InputError
 from ..stored.values import ElementValue
 
 # Number of corners by kind of cell, as ``weavesim.meshes`` names kinds; further nodes lie between the corners.
 CORNERS = {"triangle": 3, "quad": 4, "triangle6": 3, "quad8": 4}
+# Of a node or an element that fits into eight columns.
+LARGEST_LABEL = 99_999_999
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,7 @@ class ShellMesh:
 
     @property
     def element_count(self) -> int:
+        """Elements of all kinds."""
         return sum(len(cells.labels) for cells in self.cells)
 
     @cached_property
@@ -171,3 +175,14 @@ def angle_in(frames: np.ndarray, direction: np.ndarray) -> np.ndarray:
     x, y = (np.einsum("ei,ei->e", frames[:, axis], direction) for axis in (0, 1))
     angle = np.rad2deg(np.arctan2(y, x))
     return 90.0 - np.mod(90.0 - angle, 180.0)
+
+
+def check_columns(parts: Sequence[Part], code: str) -> None:
+    """Check that the numbers of nodes and elements fit into the eight columns that decks of ``code`` have for them.
+
+    Raises:
+        InputError: a number that is too long.
+    """
+    for part in parts:
+        if max(part.mesh.labels.max(), part.mesh.node_labels.max()) > LARGEST_LABEL:
+            raise InputError(f"part {part.name}: {code} takes numbers up to {LARGEST_LABEL}; renumber the mesh")

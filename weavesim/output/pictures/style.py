@@ -128,11 +128,13 @@ def new_axes(figure: Figure, *place: Any, **settings: Any) -> Axes:
 
 
 def add_legend(axes: Axes, **settings: Any) -> None:
+    """A legend without a frame, if something on the axes has a label."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(frameon=False, fontsize=9, **settings)
 
 
 def colour_map() -> Any:
+    """The colours of angles, as a colour map of Matplotlib."""
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(encoded(colour_table()), name="shear angle")
@@ -157,4 +159,5 @@ def fitting_height(width: float, ratios: Sequence[float], further: float = 0.0) 
 
 
 def words(name: str) -> str:
+    """A name as words."""
     return name.replace("_", " ")

@@ -80,7 +80,7 @@ class StoredSheet:
 
     @cached_property
     def fields(self) -> dict[str, np.ndarray]:
-        """The fields of the run by name, in SI units."""
+        """The fields of the run by name, in SI units, (element_count,) each."""
         out = {}
         for each in FIELDS:
             if value := self.values.get(each.file_name):

@@ -250,15 +250,15 @@ class PathMotion(Motion, Curve):
         return self.along.spacers
 
     def damper(self, stiffness: float) -> tuple[float, float]:
-        """Of ``along``."""
+        """Damping where it lands [N s/m] and rate at which that fades [1/s]: those of ``along``."""
         return self.along.damper(stiffness)
 
     def force_at(self, time: float) -> float:
-        """Of ``along``, in N."""
+        """Force that drives it along its axis [N]: that of ``along``."""
         return self.along.force_at(time)
 
     def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of ``along``."""
+        """Times [s] and values [m] or [N] of ``along``, (n,) each."""
         return self.along.curve()
 
     @property

@@ -139,7 +139,12 @@ class Checkpoints:
         done = self._try(lambda: self._write(simulation), "it is tried again")
         now = time.monotonic()
         self._last_time = now if done else self._last_time
-        self._next = now + max(self.interval, (now - started) / LARGEST_SHARE)
+        wait = (now - started) / LARGEST_SHARE
+        if wait > self.interval:
+            logger.info("a checkpoint took %.3g s: the next is written after %.3g s, not after the %.3g s of the "
+                        "interval, so that they take %.0f%% of the run at most",
+                        now - started, wait, self.interval, 100.0 * LARGEST_SHARE)  # fmt: skip
+        self._next = now + max(self.interval, wait)
         return done
 
     @property

@@ -110,7 +110,7 @@ class KineticEnergy(_Placed):
             yield replace(doubt, advice=SCALED) if chosen and chosen.target_step else doubt
 
     def most(self, ledger: SheetLedger) -> tuple[float, np.ndarray]:
-        """Of a node."""
+        """Kinetic energy of the node that has most of it [J], and where that node is on the flat blank, (2,) [m]."""
         return ledger.fastest_node()
 
     def states(self, run: Judged) -> list[dict[str, float]]:
@@ -130,7 +130,7 @@ class HourglassEnergy(_Placed):
     advice = "refine the mesh"
 
     def most(self, ledger: SheetLedger) -> tuple[float, np.ndarray]:
-        """Of an element."""
+        """Hourglass energy of the element that has most of it [J], and where that is on the flat blank, (2,) [m]."""
         return ledger.largest_energy("hourglass")
 
 

@@ -15,6 +15,7 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...errors import InputError
+from ...names import enter
 
 if TYPE_CHECKING:
     import numpy as np
@@ -132,12 +133,8 @@ class Guard:
     lasting: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
-        if not cls.__dict__.get("name"):
-            return
-        other = _known.get(cls.name)
-        if other and (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
-            raise TypeError(f"guard {cls.name}: {other.__module__} already has one of this name")
-        _known[cls.name] = cls
+        if cls.__dict__.get("name"):
+            enter(_known, cls.name, cls, "guard")
 
     def before(self, start: Start) -> Iterable[Doubt]:
         """Doubts that are known before the run starts.

@@ -170,6 +170,7 @@ def _restart_tools(state: State, names: list[str], last: Acting, now: Acting) ->
 
 
 def positions_of(model: Model, state: State, index: int) -> np.ndarray:
+    """Positions of the nodes of a sheet, by its index, (node_count, 3) [m]; waits for the device."""
     sheet = model.sheets[index]
     vectors = sheet.read_motion(state.sheets[index].motion)[:, : sheet.blank.node_count].astype(np.float64)
     return vectors[MotionRow.position.vector] + vectors[MotionRow.remainder.vector]

@@ -12,7 +12,20 @@ from weavesim.fabric.presets import (
     glass_polypropylene_consensus,
     glass_polypropylene_hkust,
 )
-from weavesim.fabric.presets.cao2008 import FRAME_LABORATORIES, consensus_moment, frame_curve, scatter_at
+from weavesim.fabric.presets.cao2008 import FOLDER, FRAME_LABORATORIES, consensus_moment, frame_curve
+from weavesim.tables import Wanted, read_table
+
+
+def scatter_at(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest moment per reference area [N/m] over all frames and bias series, at angles (n,) [rad]."""
+    table = read_table(FOLDER / "consensus.csv", "table")
+    columns = table.columns(
+        Wanted("angle", "rad"), Wanted("frame least", "N/m"), Wanted("bias least", "N/m"),
+        Wanted("frame largest", "N/m"), Wanted("bias largest", "N/m"),
+    ).values  # fmt: skip
+    least, largest = np.minimum(columns[1], columns[2]), np.maximum(columns[3], columns[4])
+    factor = np.cos(angle)
+    return np.interp(angle, columns[0], least) * factor, np.interp(angle, columns[0], largest) * factor
 
 
 def test_published_curve_with_its_convention():

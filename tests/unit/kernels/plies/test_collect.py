@@ -7,14 +7,15 @@ import warp as wp
 from weavesim.engine.plies.pass_launches import group_count
 from weavesim.kernels.pass_entries import PassEntry
 from weavesim.kernels.plies.collect import (
+    GROUP,
     count_strays_kernel,
-    group_speed_kernel,
     list_strays_kernel,
     sum_up_kernel,
     survey_groups_kernel,
     survey_struct,
 )
 from weavesim.kernels.plies.search import search_struct, watch_struct
+from weavesim.kernels.stepping.step import group_maximum_kernel
 
 REAL, SKIN = wp.float64, 0.5
 
@@ -79,5 +80,5 @@ def test_a_sheet_wakes_where_a_block_is_watched():
 def test_the_largest_speed_of_every_group():
     speeds = np.random.default_rng(2).random(600)
     largest = wp.zeros(group_count(600), dtype=REAL, device="cpu")
-    launch(group_speed_kernel(REAL), 3, wp.array(speeds, device="cpu"), largest)
+    launch(group_maximum_kernel(REAL, GROUP), 3, wp.array(speeds, device="cpu"), largest)
     np.testing.assert_array_equal(largest.numpy(), [speeds[:256].max(), speeds[256:512].max(), speeds[512:].max()])

@@ -23,7 +23,7 @@ def partial_maxima(values, precision, device):
         kernel, dim=[len(maxima)], block_dim=TILE_THREAD_COUNT, inputs=[given], outputs=[maxima], device=device
     )
     by_loop = wp.empty_like(maxima)
-    kernel = group_maximum_kernel(precision.real)
+    kernel = group_maximum_kernel(precision.real, MAXIMUM_GROUP)
     wp.launch(kernel, dim=len(maxima), inputs=[given], outputs=[by_loop], device=device)
     np.testing.assert_array_equal(by_loop.numpy(), maxima.numpy())
     return maxima.numpy()

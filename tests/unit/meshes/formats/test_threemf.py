@@ -53,7 +53,7 @@ def test_a_body_is_read_with_its_unit(tmp_path):
     assert mesh.metres_per_unit == 0.001
     path = tmp_path / "die.3mf"
     assert len(MeshShape.from_file(path, unit_scale=0.001, side=(0, 0, 1)).surface.faces) == 128
-    with pytest.raises(InputError, match="its unit is 0.001 m, but unit_scale = 1"):
+    with pytest.raises(InputError, match="its unit is 0.001 m, but unit_scale=1 is given"):
         MeshShape.from_file(path, side=(0, 0, 1))
 
 

@@ -10,6 +10,7 @@ from tests.support.processes import environment
 from weavesim.errors import InputError
 from weavesim.output import ResultFolder
 from weavesim.output.claim.lock import FolderLock
+from weavesim.run.checkpoint.checkpoints import job_path
 
 HOLD = """
 import sys, time
@@ -65,6 +66,19 @@ def test_a_killed_process_leaves_no_lock(tmp_path):
     lock = FolderLock(tmp_path)
     lock.acquire()
     lock.release()
+
+
+def test_a_run_in_progress_is_told_before_what_it_has_left_so_far(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"run_id": "20260101T000000Z-01234567", "process": 7, "host": "h"}))
+    job_path(tmp_path).parent.mkdir()
+    job_path(tmp_path).write_bytes(b"")
+    lock = FolderLock(tmp_path)
+    lock.acquire()
+    with pytest.raises(InputError, match=r"\(process 7 on h\) is writing to it; wait until that has ended"):
+        ResultFolder(tmp_path)
+    lock.release()
+    with pytest.raises(InputError, match="it has a run that was not finished; go on with it"):
+        ResultFolder(tmp_path)
 
 
 def test_a_folder_that_is_claimed_twice(tmp_path):

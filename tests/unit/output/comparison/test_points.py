@@ -97,6 +97,26 @@ def test_points_beside_the_sheet_do_not_count(tmp_path):
     assert entry["compared_share"] == 0.5 and entry["largest_absolute"] < 1e-6
 
 
+def test_points_far_from_the_sheet_in_space_do_not_count_and_are_told(tmp_path):
+    sheet = bent()
+    place = sheet.position[0]
+    rows = [(*place, 25.0), (*(place + [-0.3, 0.0, 0.4]), 25.0)]
+    found = compare_points(sheet, read_points(table(tmp_path / "m.csv", "x [m],y [m],z [m],shear_angle [deg]", rows)))
+    entries = found.numbers()
+    assert entries["distance_mm"]["compared_share"] == entries["shear_angle_deg"]["compared_share"] == 0.5
+    assert entries["distance_mm"]["largest_absolute"] < 1e-6
+    assert "1 of 2 points are not on sheet, up to 500 mm off" in found.notes[0]
+    with pytest.raises(InputError, match="none of its points lies on sheet; the nearest is 500 mm off"):
+        compare_points(sheet, read_points(table(tmp_path / "far.csv", "x [m],y [m],z [m]", [rows[1][:3]])))
+
+
+@pytest.mark.parametrize(("angle", "note_count"), [(25.0, 0), (np.radians(25.0), 1), (5.0, 0)])
+def test_measured_angles_that_look_like_radians_are_asked_about(tmp_path, angle, note_count):
+    path = table(tmp_path / "m.csv", "flat_x [m],flat_y [m],shear_angle [deg]", [(0.05, 0.0, angle)])
+    notes = compare_points(bent(), read_points(path)).notes
+    assert len(notes) == note_count and all("are they radians" in note for note in notes)
+
+
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [

@@ -40,8 +40,8 @@ def test_vtk_reads_its_own_format(exported):
     corners = [[grid.GetCell(e).GetPointId(k) for k in range(4)] for e in range(grid.GetNumberOfCells())]
     assert np.array_equal(corners, sheets[0].blank.quads)
     values = grid.GetCellData()
-    for name in ("warp_direction", "stress_upper", "thickness"):
-        assert np.array_equal(vtk_to_numpy(values.GetArray(name)), sheets[0].values[name].values)
+    for name, ending in (("warp_direction", ""), ("stress_upper", "_pa"), ("thickness", "_m")):
+        assert np.array_equal(vtk_to_numpy(values.GetArray(f"{name}{ending}")), sheets[0].values[name].values)
 
 
 def test_hdf5_is_as_documented(exported):
@@ -70,9 +70,25 @@ def test_csv_has_a_row_for_each_element(exported):
     assert [float(row[f"centre_{axis}_m"]) for axis in "xyz"] == pytest.approx(centre[5], rel=1e-8, abs=1e-12)
     warp = sheets[0].values["warp_direction"].values[5]
     assert [float(row[f"warp_direction_{axis}"]) for axis in "xyz"] == pytest.approx(warp, abs=1e-8)
-    assert [float(row[f"stress_upper_{ij}"]) for ij in ("11", "22", "12")] == [15.0, 16.0, 17.0]
+    assert [float(row[f"stress_upper_{ij}_pa"]) for ij in ("11", "22", "12")] == [15.0, 16.0, 17.0]
     assert (
         float(row["weft_angle_deg"]) - float(row["warp_angle_deg"])
         == pytest.approx(90.0 - float(row["shear_angle_deg"]), abs=1e-6)
         or float(row["weft_angle_deg"]) < 0.0
     )
+
+
+def test_in_millimetres_only_the_centres_change_and_every_name_tells_its_unit(exported, tmp_path):
+    sheets, files = exported
+    done = export_run(stored_run(*sheets), Export(["csv"], tmp_path, unit="mm"))
+    tables = []
+    for path in (files["test_top.csv"], next(path for path in done.files if path.name == "test_top.csv")):
+        with open(path, newline="", encoding="utf-8") as file:
+            tables.append(list(csv.DictReader(file)))
+    metres, millimetres = (table[5] for table in tables)
+    assert float(millimetres["centre_x_mm"]) == pytest.approx(1e3 * float(metres["centre_x_m"]))
+    centres = {f"centre_{axis}_{unit}" for axis in "xyz" for unit in ("m", "mm")}
+    assert {k: v for k, v in metres.items() if k not in centres} == {
+        k: v for k, v in millimetres.items() if k not in centres
+    }
+    assert {"thickness_m", "stress_upper_11_pa", "shear_angle_deg"} <= set(millimetres)

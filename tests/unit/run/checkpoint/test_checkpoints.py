@@ -109,6 +109,14 @@ def test_a_stage_can_write_one_when_it_likes(tmp_path):
     assert written == [True] * 5
 
 
+def test_an_interval_that_is_stretched_is_told(tmp_path, caplog, monkeypatch):
+    caplog.set_level("INFO")
+    monkeypatch.setattr(module, "LARGEST_SHARE", 0.02)
+    simulation, checkpoints = small_run(**GIVEN), Checkpoints(tmp_path, 1e-9)
+    simulation.run(checkpoints=checkpoints)
+    assert "not after the 1e-09 s of the interval, so that they take 2% of the run at most" in caplog.text
+
+
 def test_a_run_that_ends_soon_keeps_its_job_alone(tmp_path):
     simulation = small_run(**GIVEN)
     simulation.run(checkpoints=Checkpoints(tmp_path, 1e9))

@@ -24,25 +24,30 @@ def _patience(monkeypatch):
     monkeypatch.setattr("weavesim.study.execution.cluster.FIRST_WAIT", ENOUGH)
 
 
-def disturbed(study, subject, folder, *, kill_at, restart_at):
-    """The results of a study on two workers that is disturbed after so many runs; the texts that were said."""
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Two workers; whatever a test does to them, as many are there for the next."""
+    with Cluster(tmp_path_factory.mktemp("cluster"), 2) as started:
+        yield started
+
+
+def disturbed(cluster, study, subject, folder, *, kill_at, restart_at):
+    """The results of a study on a cluster that is disturbed after so many runs; the texts that were said."""
     progress, disturbances = Silence(), []
-    with Cluster(folder, 2) as cluster:
 
-        def disturb():
-            wait_for(lambda: progress.done >= kill_at)
-            cluster.kill(cluster.workers[1])
-            disturbances.append(progress.done)
-            wait_for(lambda: progress.done >= restart_at)
-            disturbances.append(progress.done)
-            cluster.restart()
+    def disturb():
+        wait_for(lambda: progress.done >= kill_at)
+        cluster.kill(cluster.workers[1])
+        disturbances.append(progress.done)
+        wait_for(lambda: progress.done >= restart_at)
+        disturbances.append(progress.done)
+        cluster.restart()
 
-        thread = threading.Thread(target=disturb)
-        thread.start()
-        executor = ClusterExecutor(cluster.address)
-        results = conducted(study, subject, folder / "cluster.sqlite", executor, progress)
-        thread.join()
-        assert len(disturbances) == 2 and max(disturbances) < progress.total  # before the end
+    thread = threading.Thread(target=disturb)
+    thread.start()
+    results = conducted(study, subject, folder / "cluster.sqlite", ClusterExecutor(cluster.address), progress)
+    thread.join()
+    assert len(disturbances) == 2 and max(disturbances) < progress.total  # before the end
     return results, progress
 
 
@@ -61,9 +66,9 @@ def check_same(folder, study, subject, results, progress, count):
 
 
 @pytest.mark.slow
-def test_a_killed_worker_and_a_restarted_scheduler_change_nothing(tmp_path):
+def test_a_killed_worker_and_a_restarted_scheduler_change_nothing(cluster, tmp_path):
     study, subject = made({"x": (1.0, 2.0)}, ["root"], counts={"x": 24}), FunctionSubject(slow)
-    results, progress = disturbed(study, subject, tmp_path, kill_at=4, restart_at=10)
+    results, progress = disturbed(cluster, study, subject, tmp_path, kill_at=4, restart_at=10)
     check_same(tmp_path, study, subject, results, progress, 24)
 
 
@@ -74,10 +79,9 @@ def test_no_scheduler_is_told(monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_job_has_the_same_table_on_a_cluster(tmp_path):
+def test_a_job_has_the_same_table_on_a_cluster(cluster, tmp_path):
     job, progress = write_small_job(tmp_path), Silence()
     study = study_of_options(job, ["spring.corner.stiffness=500:2000:3"], ["max_shear_p99", "step_count"])
     subject = JobSubject(job, threads=1)
-    with Cluster(tmp_path, 2) as cluster:
-        results = conducted(study, subject, tmp_path / "cluster.sqlite", ClusterExecutor(cluster.address), progress)
+    results = conducted(study, subject, tmp_path / "cluster.sqlite", ClusterExecutor(cluster.address), progress)
     check_same(tmp_path, study, subject, results, progress, 3)

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ....kernels.contact.friction import NO_ARGUMENT
+from ....kernels.contact.friction import NO_ARGUMENT, UNMET
 from ....process.friction import Friction
 from ....process.friction_device import argument_kind
 
 # Reduction of a viscosity that is told.
 LEAST_VISCOUS_SHARE = 0.99
-# An argument that has not been met: below the start of the smallest.
-NEVER = 1.0e29
+# Larger than any argument that a law has met, and smaller than ``UNMET`` in single precision.
+LARGEST_MET = 0.5 * float(UNMET)
 # Beyond an end by less than this share of the largest argument is rounding.
 ROUNDING = 1.0e-6
 
@@ -45,8 +45,8 @@ class BeyondTables:
         if argument_kind(friction) == NO_ARGUMENT or not len(low):
             return
         arguments, _ = friction.table()
-        short = np.where(low < NEVER, arguments[0] - low, 0.0)
-        excess = np.maximum(np.where(high > -NEVER, high - arguments[-1], 0.0), short)
+        short = np.where(low < LARGEST_MET, arguments[0] - low, 0.0)
+        excess = np.maximum(np.where(high > -LARGEST_MET, high - arguments[-1], 0.0), short)
         worst = int(np.argmax(excess))
         if excess[worst] > ROUNDING * arguments[-1]:
             law = {

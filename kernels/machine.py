@@ -5,30 +5,40 @@ import warp as wp
 
 # Spinning responds within a microsecond while every thread has a core. If threads share cores, a waiting thread yields
 # its core after a while (a pause is up to 140 cycles): soon enough to be cheap, but not so often that the scheduler
-# gives whole time slices to others (docs/decisions/0017).
+# gives whole time slices to others (docs/decisions/0017). The compiler has no headers of the system: the function is
+# declared by its name for the linker, which on macOS begins with a further line.
 @wp.func_native("""
     int *p = &wp::index(counter, 0);
     const int arrived = __atomic_add_fetch(p, 1, __ATOMIC_ACQ_REL);
     const int target = ((arrived + thread_count - 1) / thread_count) * thread_count;
-    for (int spin = 0; __atomic_load_n(p, __ATOMIC_ACQUIRE) < target; ++spin) {
+    int spin = 0;
+    for (; __atomic_load_n(p, __ATOMIC_ACQUIRE) < target; ++spin) {
 #if defined(__x86_64__)
         __builtin_ia32_pause();
-#if defined(__linux__)
+#elif defined(__aarch64__)
+        __asm__ volatile("isb");
+#endif
+#if defined(__unix__) || defined(__APPLE__)
         if (spin > 400 && spin % 64 == 0) {
+#if defined(__APPLE__)
+            extern int give_core_away() __asm__("_sched_yield");
+#else
             extern int give_core_away() __asm__("sched_yield");
+#endif
             give_core_away();
         }
 #endif
-#endif
     }
+    return spin;
 """)
-def wait_for_all(counter: wp.array(dtype=wp.int32), thread_count: wp.int32): ...
+def wait_for_all(counter: wp.array(dtype=wp.int32), thread_count: wp.int32) -> wp.int32:
+    """Wait until all of ``thread_count`` threads have come here; returns how often this one has looked in vain."""
 
 
 @wp.kernel(module="unique", enable_backward=False)
 def barrier(counter: wp.array(dtype=wp.int32), thread_count: wp.int32):
     """Barrier, launched once by each of ``thread_count`` threads; the counter is reset to 0 between replays."""
-    wait_for_all(counter, thread_count)
+    spins = wait_for_all(counter, thread_count)  # noqa: F841
 
 
 @wp.func_native("""

@@ -179,7 +179,7 @@ def dome_depth(blank: Blank, position: np.ndarray) -> float:
     return float(position[middles, 2].mean() - position[pole, 2])
 
 
-def release(parameters: GrippersParameters, simulation: Simulation) -> dict[str, Any]:
+def release(simulation: Simulation) -> dict[str, Any]:
     """What is left of the dome after the release, and what slipped through the grippers."""
     frame, setup = simulation.frame, simulation.setup
     slip = {gripper.name: 1e3 * float(value) for gripper, value in zip(setup.grippers, frame.gripper_slip, strict=True)}
@@ -191,5 +191,5 @@ SCENE = Scene(
     help="Form a blank on springs at its edges over a hemisphere, and release it.",
     parameters=GrippersParameters,
     make=grippers,
-    findings=lambda parameters, simulation, wanted: release(parameters, simulation),
+    findings=lambda parameters, simulation, wanted: release(simulation),
 )

@@ -17,6 +17,7 @@
     python scripts/benchmark.py schedule    a step on up to 64 threads, predicted from its plan
     python scripts/benchmark.py instructions     machine instructions of the kernels of a step on a CPU
     python scripts/benchmark.py cuda        registers and stack of every kernel on CUDA devices, without one
+    python scripts/benchmark.py predict     a step on an H100, predicted from bytes, registers and instructions
     python scripts/benchmark.py against ../weavesim-before     this checkout compared with another one
     python scripts/benchmark.py peers       Newton's cloth solvers on the same drape (scripts/peers)
 
@@ -38,7 +39,7 @@ from scripts.benchmarks.bounds import bounds  # noqa: E402
 from scripts.benchmarks.compilation.instructions import instructions  # noqa: E402
 from scripts.benchmarks.compilation.start import start, whole  # noqa: E402
 from scripts.benchmarks.compilation.times import compiling  # noqa: E402
-from scripts.benchmarks.cuda_resources import cuda  # noqa: E402
+from scripts.benchmarks.cuda.command import cuda, predict  # noqa: E402
 from scripts.benchmarks.laws import cells, laws, stiffnesses  # noqa: E402
 from scripts.benchmarks.rates import counts, rates, worker  # noqa: E402
 from scripts.benchmarks.schedule import schedule  # noqa: E402
@@ -67,6 +68,7 @@ for command in (
     bounds,
     instructions,
     cuda,
+    predict,
     schedule,
 ):
     app.command()(command)

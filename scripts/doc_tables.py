@@ -1,4 +1,4 @@
-"""Generate the tables of docs/fabrics.md, job.md, results.md and studies.md, and docs/gallery.md, from the code.
+"""Generate docs/gallery.md and the tables of docs/fabrics.md, gpu.md, job.md, results.md, studies.md, from the code.
 
 python scripts/doc_tables.py            # writes the tables
 python scripts/doc_tables.py --check    # exits with code 1 where a page differs
@@ -13,6 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from scripts.benchmarks.cuda import tables as cuda_tables  # noqa: E402
 from scripts.documentation import gallery  # noqa: E402
 from scripts.shared import fabric_tables, job_tables, result_tables, study_tables  # noqa: E402
 
@@ -20,6 +21,7 @@ BEGIN, END = "<!-- begin of scripts/doc_tables.py -->\n", "<!-- end of scripts/d
 PAGES: dict[str, Callable[[], str]] = {
     "fabrics.md": fabric_tables.tables,
     "gallery.md": gallery.exhibits_text,
+    "gpu.md": cuda_tables.tables,
     "job.md": job_tables.tables,
     "results.md": result_tables.tables,
     "studies.md": study_tables.tables,

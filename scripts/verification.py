@@ -29,12 +29,17 @@ Written by `make verify` (`scripts/verification.py`) on {date}; {case_count} cas
 
 
 def run_studies(records: Path, workers: int) -> int:
-    """Run every test that may record, and return the exit code of pytest."""
-    command = [sys.executable, "-m", "pytest", "tests/verification", "-m", "verification or not verification", "-q"]
-    command += ["--manual", str(records)]
-    if workers > 1:
-        command += ["--numprocesses", str(workers), "--dist", "loadfile"]
-    return subprocess.run(command, cwd=ROOT, check=False).returncode
+    """Run every test that may record, then those elsewhere that only this runs; returns the exit code of pytest."""
+    commands = (
+        ["tests/verification", "-m", "verification or not verification", "--manual", str(records)],
+        ["tests/unit", "tests/validation", "-m", "verification"],
+    )
+    parallel = ["--numprocesses", str(workers), "--dist", "loadfile"] if workers > 1 else []
+    codes = [
+        subprocess.run([sys.executable, "-m", "pytest", "-q", *command, *parallel], cwd=ROOT, check=False).returncode
+        for command in commands
+    ]
+    return next((code for code in codes if code), 0)
 
 
 def table(columns: list[str], rows: list[list[str]]) -> str:

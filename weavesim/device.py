@@ -221,6 +221,11 @@ def resolve_device(name: str) -> wp.Device:
     return wp.get_device(wanted)
 
 
+def is_cpu(name: str) -> bool:
+    """Whether a device of this name is the CPU; nobody asks whether this machine has it."""
+    return not name.startswith("cuda")
+
+
 def load_kernel(kernel: wp.Kernel, device: wp.Device) -> None:
     """Compile a kernel if it is not in the cache, in the form that launches on this device use.
 

@@ -104,7 +104,7 @@ def frame_series(options: CalibrationOptions) -> tuple[list[Series], list[DataFi
             series = _angles_of_frame(series, options.frame_side or 0.0)
         series = _checked_angles(series, options.frame_largest_angle)
         moment = _frame_moment(series.x, is_force, options)
-        result.append(_finished(replace(series, y=series.y * moment), options))
+        result.append(_finished(replace(series, y=series.y * moment)))
     check_repeats(result, options.accept_unusual)
     return result, files
 
@@ -143,7 +143,7 @@ def bias_series(options: CalibrationOptions) -> tuple[list[Series], list[DataFil
             )  # fmt: skip
         angle = trellis_angle(diagonal + np.maximum(series.x, 0.0), math.sqrt(0.5) * diagonal)
         series = _checked_angles(replace(series, x=angle), options.bias_largest_angle)
-        result.append(_finished(series, options))
+        result.append(_finished(series))
     check_repeats(result, options.accept_unusual)
     return result, files
 
@@ -332,7 +332,7 @@ def _checked_angles(series: Series, largest: float) -> Series:
     return series.rows(kept, note)
 
 
-def _finished(series: Series, options: CalibrationOptions) -> Series:
+def _finished(series: Series) -> Series:
     if len(series.x) < 6:
         raise series.fault(
             f"{len(series.x)} rows are left; at least 6 are needed", len(series.x) - 1 if len(series.x) else None, 0

@@ -19,7 +19,7 @@ from typing import Protocol, Self
 
 import warp as wp
 
-from ..device import Precision, available_threads, initialise, is_compiled, load_kernel, resolve_device
+from ..device import Precision, available_threads, initialise, is_compiled, is_cpu, load_kernel, resolve_device
 from ..fabric.cell import UnitCell
 from ..kernel_cache import ensure_room
 from ..kernels.carried.motion import carried_motion_kernel
@@ -114,9 +114,6 @@ class KernelSet:
         Args:
             setups: of runs in one precision and on one device; at least one.
             unit_cell: replaces those of all sheets.
-
-        Raises:
-            InputError: no such device.
         """
         sets = [kernel_set for setup in setups for kernel_set in kernel_sets(setup)]
         kinds = dict.fromkeys(type(unit_cell or one.unit_cell) for one in sets)
@@ -146,26 +143,22 @@ class KernelSet:
 
     @classmethod
     def of_sheet(cls, setup: Setup, unit_cell: UnitCell, sheet: SheetTraits, nodes: NodeTraits) -> Self:
-        """What one sheet of a set-up needs, from its traits.
-
-        Raises:
-            InputError: no such device.
-        """
+        """What one sheet of a set-up needs, from its traits."""
         solver = setup.solver
-        is_cpu = resolve_device(solver.device).is_cpu
+        on_cpu = is_cpu(solver.device)
         return cls(
             unit_cell,
             (sheet,),
             (nodes,),
             solver.precision,
             solver.device,
-            solver.lanes(is_cpu=is_cpu),
+            solver.lanes(is_cpu=on_cpu),
             tools=bool(setup.tools),
             driven=any(support.drives for support in setup.supports),
             waiting=waiting(setup),
             pressed=any(sheet.pressures for sheet in setup.sheets) or any(stage.pressures for stage in setup.stages),
             gripped=bool(setup.grippers),
-            threaded=is_cpu and (solver.threads or available_threads()) > 1,
+            threaded=on_cpu and (solver.threads or available_threads()) > 1,
             plies=nodes.touched,
             own_contact=any(sheet.self_contact is not None for sheet in setup.sheets),
             mirrored=any(
@@ -176,14 +169,10 @@ class KernelSet:
         )
 
     def kernels(self) -> list[wp.Kernel]:
-        """All kernels, roughly in order of decreasing compile time.
-
-        Raises:
-            InputError: no such device.
-        """
-        is_cpu = resolve_device(self.device).is_cpu
+        """All kernels, roughly in order of decreasing compile time; whether there is such a device is not asked."""
+        on_cpu = is_cpu(self.device)
         real, law, lane_count = self.precision.real, self.unit_cell.law(), self.lane_count
-        summed, carried = real if is_cpu or not self.tools else wp.float64, [node.carried for node in self.nodes]
+        summed, carried = real if on_cpu or not self.tools else wp.float64, [node.carried for node in self.nodes]
         further = dict.fromkeys(further_kinds(node.shape_kinds) for node in self.nodes)
         own = [
             *(element_force_kernel(real, lane_count, law, sheet) for sheet in self.sheets),
@@ -209,25 +198,21 @@ class KernelSet:
             *(mirror_kernels(real, lane_count) if self.mirrored else []),
             *([carried_motion_kernel(summed)] if any(carried) else []),
             *(tool_motion_kernel(summed, waits) for waits in self.waiting if not all(carried)),
-            *([] if is_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
+            *([] if on_cpu or not self.tools else map(partial_sum_kernel, dict.fromkeys((real, wp.float64)))),
             *([support_motion_kernel(real)] if self.driven else []),
             *([element_pressure_kernel(real, lane_count)] if self.pressed else []),
             *([grip_kernel(real)] if self.gripped else []),
-            group_maximum_kernel(real, MAXIMUM_GROUP) if is_cpu else partial_maximum_kernel(real),
+            group_maximum_kernel(real, MAXIMUM_GROUP) if on_cpu else partial_maximum_kernel(real),
             set_step_kernel(real),
             fold_works_kernel(real, lane_count),
-            *([flush_subnormals, restore_subnormals, count_rounds] if is_cpu else [check_clock]),
-            *([barrier] if is_cpu and self.threaded else []),
+            *([flush_subnormals, restore_subnormals, count_rounds] if on_cpu else [check_clock]),
+            *([barrier] if on_cpu and self.threaded else []),
         ]
         return list(dict.fromkeys([*own, *(kernel for each in self.others for kernel in each.kernels())]))
 
 
 def kernel_sets(setup: Setup) -> list[KernelSet]:
-    """What a run needs, from its set-up alone.
-
-    Raises:
-        InputError: no such device.
-    """
+    """What a run needs, from its set-up alone."""
     sets = []
     for world in setup.worlds:
         for sheet in world.sheets:

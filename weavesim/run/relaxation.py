@@ -183,7 +183,7 @@ class _Relaxation:
         for sheet, own, later, change in zip(
             self.simulation.model.sheets, state.sheets, ahead.sheets, changes, strict=True
         ):
-            book(sheet, own, later, change.energy(sheet), of_tools)
+            book(own, later, change.energy(sheet), of_tools)
             of_tools = 0.0
             count, free = sheet.blank.node_count, sheet.free[:, :3]
             motion = sheet.read_motion(own.motion)
@@ -240,7 +240,7 @@ def applied_loads(sheet: SheetModel, time: float) -> np.ndarray:
     return loads
 
 
-def book(sheet: SheetModel, state: SheetState, ahead: SheetState, damped: np.ndarray, of_tools: float) -> None:
+def book(state: SheetState, ahead: SheetState, damped: np.ndarray, of_tools: float) -> None:
     """Update the work entries of the nodes to this instant, as the ledger reads them, and add the damped energy [J]."""
     # the next step starts from rest
     works = 0.5 * (state.works() + ahead.works())

@@ -1,6 +1,9 @@
 """How a step is shared out to threads and tiles, and what it launches."""
 
+import os
 import platform
+from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,11 +13,12 @@ from tests.support.runs import one_sheet_run
 from weavesim.device import load_kernel
 from weavesim.engine import sheet_model
 from weavesim.engine import stepper as stepper_module
+from weavesim.engine.replay import Replay
 from weavesim.engine.stepper import REFRESH_INTERVAL
 from weavesim.engine.threads import ThreadChoice, beside_steps
 from weavesim.engine.tiling import division
 from weavesim.fabric.presets import glass_polypropylene
-from weavesim.kernels.machine import count_rounds, flush_subnormals, restore_subnormals
+from weavesim.kernels.machine import count_rounds, flush_subnormals, restore_subnormals, wait_for_all
 from weavesim.kernels.rows import MOTION_VECTORS, ClockEntry, MotionRow, ToolWatchRow
 from weavesim.kernels.stepping.step import check_clock
 from weavesim.process.strokes import Stroke
@@ -229,6 +233,53 @@ def test_while_others_of_the_process_compute_they_are_left_a_core_and_no_bit_cha
         assert set(free.stepper._block_graphs) == {1} and free.stepper.thread_count == 1
     free.stepper.advance(6)
     assert arrived(free) == arrived(fixed)
+
+
+@contextmanager
+def one_core():
+    """This thread, and those that it starts, share one core."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+pins_threads = pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="threads cannot be given one core here")
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def _wait_and_count(counter: wp.array(dtype=wp.int32), thread_count: wp.int32, spins: wp.array(dtype=wp.int32)):
+    spins[0] = spins[0] + wait_for_all(counter, thread_count)
+
+
+@pins_threads
+def test_threads_that_share_a_core_give_it_away_at_barriers():
+    """Counted is how often they look in vain: a time slice that is spun away is tens of thousands of looks."""
+    thread_count, turns, device = 4, 50, wp.get_device("cpu")
+    counter, spins = (wp.zeros(count, dtype=wp.int32, device=device) for count in (1, thread_count))
+    load_kernel(_wait_and_count, device)
+    replay = Replay(device, thread_count)
+
+    def wait(own):
+        wp.launch(_wait_and_count, 1, [counter, thread_count, own], device=device)
+
+    graphs = [replay.record_rounds(partial(wait, spins[k : k + 1]), k) for k in range(thread_count)]
+    with one_core():
+        replay.run(graphs, turns)
+    assert counter.numpy()[0] == thread_count * turns
+    # 400 before a core is given away at all, and 64 before it is again
+    assert spins.numpy().sum() / (thread_count * turns) < 4000
+
+
+@pins_threads
+def test_more_threads_than_cores_change_no_bit(monkeypatch):
+    alone, crowded = (thrown_sheet(monkeypatch, lane_count=LANES, threads=threads) for threads in (1, 3))
+    alone.stepper.advance(3)
+    with one_core():
+        crowded.stepper.advance(3)
+    assert arrived(crowded) == arrived(alone)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

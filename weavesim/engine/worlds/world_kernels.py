@@ -7,7 +7,7 @@ from typing import Self
 
 import warp as wp
 
-from ...device import resolve_device
+from ...device import is_cpu
 from ...kernels.machine import flush_subnormals, restore_subnormals
 from ...kernels.stepping.tools import partial_sum_kernel
 from ...kernels.worlds.clocks import (
@@ -55,7 +55,7 @@ class WorldKernelSet:
 
     @property
     def on_gpu(self) -> bool:
-        return resolve_device(self.device).is_cuda
+        return not is_cpu(self.device)
 
     @property
     def forces(self) -> wp.Kernel:

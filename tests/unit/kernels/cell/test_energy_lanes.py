@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from warp import float64 as real
 
-from scripts.benchmarks.cuda_resources import dump_program, resources
+from scripts.benchmarks.cuda.resources import dump_program, resources
 from tests.support.registered_cells import CELLS, KnottedNet
 from tests.support.runs import small_run
 from weavesim.checks import Positive

@@ -1,0 +1,1 @@
+"""What kernels need on CUDA devices, and how fast they should be there, without one."""

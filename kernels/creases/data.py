@@ -12,12 +12,13 @@ GROUP = wp.constant(16)
 
 @cache
 def edges_struct(real: type):
-    """Interior edges of a sheet, on the motion of one state; arrays are [edge]."""
+    """Edges of a sheet, free ones first, on the motion of one state; arrays are [edge]."""
     vec4 = wp.types.vector(4, real)
 
     @wp.struct
     class Edges:
-        # [place, edge]: first entry in the motion of both ends, and of the two nodes opposite in either facet
+        # [place, edge]: first entry in the motion of both ends, and of the two nodes opposite in either facet; of a
+        # free edge, which has one, the ends in place of the other
         entry: wp.array2d(dtype=wp.int32)
         flat: wp.array(dtype=vec4)  # both ends on the flat blank [m]
         stiffness: wp.array(dtype=real)  # of a pair with an edge that is not lighter [N/m]
@@ -25,6 +26,7 @@ def edges_struct(real: type):
         motion: wp.array(dtype=real)
         stride: wp.int32  # entries between two rows of the motion
         edge_count: wp.int32
+        free_count: wp.int32
         thickness: real  # distance at which edges touch [m]
         squared_exclusion: real  # nearer on the flat blank, edges are neighbours [m^2]
         turning: real  # both faces move at least this far while facets turn against each other by one radian [m]

@@ -15,6 +15,10 @@ WHOLE_SQUARED_SINE = wp.constant(0.067)
 # Sines of the angle at which the other edge stands over a facet of this one: up to 10 degrees, and not beyond 30.
 WHOLE_LEAN = wp.constant(0.17)
 LARGEST_LEAN = wp.constant(0.5)
+# Cosines of the angle between the facets of two free edges: up to 20 degrees nodes on facets hold them apart, from 40
+# on it is the matter of the edges.
+LEAST_COSINE_OF_FACETS = wp.constant(0.766)
+LARGEST_COSINE_OF_FACETS = wp.constant(0.94)
 # A contact that begins with more than this weight may have come from nowhere: it begins without a force.
 SUDDEN_WEIGHT = wp.constant(0.25)
 
@@ -64,6 +68,16 @@ def pair_function(real: type):
         return result
 
     @wp.func
+    def share_across(edges: Edges, creases: Creases, first: int, second: int, u: vec3, v: vec3):
+        """Of two free edges, along ``u`` and ``v``: 0 where their facets lie along each other; else 1."""
+        result = real(1.0)
+        if second < edges.free_count:
+            n, m = wp.cross(u, creases.inward[0, first]), wp.cross(v, creases.inward[0, second])
+            cosine = wp.abs(wp.dot(n, m)) / wp.sqrt(wp.dot(u, u) * wp.dot(v, v))
+            result = ramp(-cosine, -real(LARGEST_COSINE_OF_FACETS), -real(LEAST_COSINE_OF_FACETS))
+        return result
+
+    @wp.func
     def velocity_of(edges: Edges, edge: int, at: real):
         start = row_at(edges, 0, edge, MotionRow.velocity)
         return start + at * (row_at(edges, 1, edge, MotionRow.velocity) - start)
@@ -92,6 +106,7 @@ def pair_function(real: type):
                 pair.normal = away / wp.max(pair.distance, real(1.0e-30))
                 crossing = crossing * share_outside(creases, first, -pair.normal)
                 crossing = crossing * share_outside(creases, second, pair.normal)
+                crossing = crossing * share_across(edges, creases, first, second, u, v)
                 pair.weight = crossing * creases.weight[first] * creases.weight[second]
                 pair.velocity = velocity_between(edges, first, second, pair.first, pair.second)
         return pair

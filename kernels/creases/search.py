@@ -16,7 +16,7 @@ WHOLE_TURN = wp.constant(0.698132)
 
 @cache
 def look_at_edges_kernel(real: type):
-    """Kernel over groups of edges: how sharp each is, and how many creases there are."""
+    """Kernel over groups of edges: how sharp each is, and how many creases there are, with free edges."""
     vec3 = wp.types.vector(3, real)
     Edges, Creases, Search = edges_struct(real), creases_struct(real), crease_search_struct(real)
     _, between = place_functions(real)
@@ -28,13 +28,19 @@ def look_at_edges_kernel(real: type):
         return wp.normalize(across - (wp.dot(across, along) / wp.dot(along, along)) * along)
 
     @wp.kernel(module="unique", enable_backward=False)
-    def look_at_edges(start: wp.int32, stride: wp.int32, edges: Edges, creases: Creases, search: Search):
-        if creases.quiet[0] > real(0.0):
+    def look_at_edges(
+        start: wp.int32, stride: wp.int32, edges: Edges, entry: wp.array(dtype=wp.float64), creases: Creases,
+        search: Search,
+    ):  # fmt: skip
+        # free edges are always as sharp as an edge can be, and touch only where nodes come near to facets
+        calm = creases.quiet[0] > real(0.0)
+        if calm and entry[PassEntry.sought] == wp.float64(0.0):
             return
         for group in range(start + wp.tid(), search.of_group.shape[0], stride):
             count = wp.int32(0)
             largest = real(0.0)
-            for edge in range(group * GROUP, wp.min((group + 1) * GROUP, edges.edge_count)):
+            last = wp.min((group + 1) * GROUP, wp.where(calm, edges.free_count, edges.edge_count))
+            for edge in range(group * GROUP, last):
                 along = between(edges, 1, edge, 0, edge)
                 one, other = into(edges, edge, 2, along), into(edges, edge, 4, along)
                 turn = wp.acos(wp.clamp(-wp.dot(one, other), real(-1.0), real(1.0)))
@@ -43,7 +49,7 @@ def look_at_edges_kernel(real: type):
                 creases.inward[0, edge] = one
                 creases.inward[1, edge] = other
                 count = count + wp.where(share > real(0.0), 1, 0)
-                largest = wp.max(largest, turn)
+                largest = wp.max(largest, wp.where(edge < edges.free_count, real(0.0), turn))
             search.of_group[group] = count
             search.largest_turn[group] = largest
 
@@ -58,8 +64,10 @@ def sum_creases_kernel(real: type):
     @wp.kernel(module="unique", enable_backward=False)
     def sum_creases(edges: Edges, entry: wp.array(dtype=wp.float64), creases: Creases, search: Search):
         reach = real(entry[PassEntry.reach])
-        if creases.quiet[0] > real(0.0):
+        calm = creases.quiet[0] > real(0.0)
+        if calm and entry[PassEntry.sought] == wp.float64(0.0):
             creases.quiet[0] = creases.quiet[0] - reach
+            creases.number[CreaseCount.creases] = 0
             return
         total = wp.int32(0)
         largest = real(0.0)
@@ -68,7 +76,8 @@ def sum_creases_kernel(real: type):
             search.of_group[group] = total
             total = total + count
             largest = wp.max(largest, search.largest_turn[group])
-        creases.quiet[0] = edges.turning * (real(LEAST_TURN) - largest) - reach
+        left = wp.where(calm, creases.quiet[0], edges.turning * (real(LEAST_TURN) - largest))
+        creases.quiet[0] = left - reach
         # a single crease meets nothing
         creases.number[CreaseCount.creases] = wp.where(total > 1, total, 0)
 
@@ -186,7 +195,9 @@ def list_pairs_kernel(real: type, counts: bool):
                 for k in range(group * GROUP, wp.min((group + 1) * GROUP, total)):
                     other = creases.crease[k]
                     other_low, other_high = box_of(edges, other, margin)
-                    near = k != c and not apart(low, high, other_low, other_high)
+                    # a crease ends at a free edge, opposite to others in its plane: both kinds meet their own
+                    alike = (edge < edges.free_count) == (other < edges.free_count)
+                    near = k != c and alike and not apart(low, high, other_low, other_high)
                     if near and not are_neighbours(edges, wp.min(edge, other), wp.max(edge, other)):
                         if wp.static(not counts) and count < search.count[c]:
                             take(creases, search, edge, other, search.first[c] + count)

@@ -45,6 +45,7 @@ def bounds_struct(real: type):
         high: wp.array(dtype=vec3)
         axis: wp.array(dtype=vec3)  # unit vector amid their normals
         spread: wp.array(dtype=real)  # largest angle of a normal from it [rad]
+        room: real  # by which their boxes are larger: nodes are so far from where their edges touch [m]
 
     return Bounds
 
@@ -145,8 +146,8 @@ def bound_groups_kernel(real: type):
                 high = wp.max(high, position)
                 total = total + normal_of(points, node)
         axis = wp.normalize(total)
-        bounds.low[group] = low
-        bounds.high[group] = high
+        bounds.low[group] = low - vec3(bounds.room)
+        bounds.high[group] = high + vec3(bounds.room)
         bounds.axis[group] = axis
         bounds.spread[group] = spread_of(points, bounds, group, axis)
 

@@ -15,7 +15,7 @@ ROWS = {
     if re.fullmatch(r"[A-D]\d+", (cells := [cell.strip() for cell in line.split("|")])[1:2] and cells[1] or "")
 }
 KINDS = (
-    [f"A{k}" for k in range(1, 20)]
+    [f"A{k}" for k in range(1, 21)]
     + [f"B{k}" for k in range(1, 11)]
     + [f"C{k}" for k in range(1, 13)]
     + ["D1", "D2", "D3"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fabric.fabric import Fabric
+from ..fabric.fabric import Fabric, Stabilisation
 from ..sheet.geometry import ElementGeometry
 
 # The rotary inertia is scaled up until bending and transverse shear reach at most this share of the membrane's omega^2.
@@ -22,13 +22,15 @@ class Frequencies:
     rotary_radius_squared: np.ndarray  # scaled rotary inertia per mass [m^2]
 
     @classmethod
-    def of(cls, fabric: Fabric, geometry: ElementGeometry, areal_density: np.ndarray) -> Frequencies:
+    def of(
+        cls, fabric: Fabric, stabilisation: Stabilisation, geometry: ElementGeometry, areal_density: np.ndarray
+    ) -> Frequencies:
         """Of the elements of a sheet of ``fabric``; ``areal_density`` is (m,) [kg/m^2], with added mass."""
         b11, b22 = geometry.squared_gradients
         b = b11 + b22
         c1, c2 = fabric.unit_cell.yarn_stiffness_per_width
         gamma = geometry.squared_hourglass
-        in_plane, warping, director = hourglass_coefficients(fabric)
+        in_plane, warping, director = hourglass_coefficients(fabric, stabilisation)
         transverse = fabric.transverse_shear_stiffness
         bending = 4.0 * fabric.largest_bending_stiffness * b
         shear = fabric.shear_stiffness_scale + fabric.unit_cell.shear_stiffness
@@ -44,13 +46,12 @@ class Frequencies:
         return cls(straight, constant, radius)
 
 
-def hourglass_coefficients(fabric: Fabric) -> tuple[float, float, float]:
+def hourglass_coefficients(fabric: Fabric, share: Stabilisation) -> tuple[float, float, float]:
     """Factors of the sum of squared gradients in the hourglass energies (docs/theory.md, section 5).
 
     In-plane, warping, director. On a square, the exact stiffness of the first two modes is G/24 and 4/3 G_s times that
     sum; for the third, bending along one yarn contributes D/24 times it.
     """
-    share = fabric.stabilisation
     return (
         share.in_plane * fabric.shear_stiffness_scale / 24.0,
         share.warping * fabric.transverse_shear_stiffness * 4.0 / 3.0,

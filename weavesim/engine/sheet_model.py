@@ -136,10 +136,9 @@ class SheetModel:
         blank, fabric = world.symmetry.upright(sheet.oriented_blank), sheet.fabric
         self.kept = np.ones(blank.element_count, dtype=bool) if kept is None else kept
         self.waste = waste_nodes(blank, self.kept)
-        self.name, self.blank, self.fabric = sheet.name, blank, fabric
+        self.name, self.blank, self.fabric, self.stabilisation = sheet.name, blank, fabric, sheet.stabilisation
         self.supports, self.loads, self.dynamics = sheet.supports, sheet.loads, world.dynamics
-        self.symmetry = world.symmetry
-        self.pressures, self.grippers = sheet.pressures, sheet.grippers
+        self.symmetry, self.pressures, self.grippers = world.symmetry, sheet.pressures, sheet.grippers
         self.device, self.precision, self.lane_count = numerics.device, numerics.precision, numerics.lane_count
         self.real, self.types = numerics.real, numerics.types
         self.places, self.tool_count = places, places.tools.count
@@ -186,11 +185,11 @@ class SheetModel:
     def _scaled_mass(self, target_step: float | None) -> tuple[np.ndarray, Frequencies]:
         """Areal density of every element [kg/m^2], raised where a stable ``target_step`` needs it, and frequencies."""
         density = np.full(self.blank.element_count, self.fabric.areal_density)
-        frequencies = Frequencies.of(self.fabric, self.geometry, density)
+        frequencies = Frequencies.of(self.fabric, self.stabilisation, self.geometry, density)
         if target_step is not None:
             squared = (frequencies.straight + frequencies.constant) * (0.5 * target_step / STEP_SAFETY) ** 2
             density = density * np.maximum(1.0, squared)
-            frequencies = Frequencies.of(self.fabric, self.geometry, density)
+            frequencies = Frequencies.of(self.fabric, self.stabilisation, self.geometry, density)
         return density, frequencies
 
     @property
@@ -284,7 +283,8 @@ class SheetModel:
 
     def _sheet_laws(self):
         laws = sheet_laws(self.fabric, self.precision, self.device)
-        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = hourglass_coefficients(self.fabric)
+        coefficients = hourglass_coefficients(self.fabric, self.stabilisation)
+        laws.hourglass_in_plane, laws.hourglass_warping, laws.hourglass_director = coefficients
         return laws
 
     def _nodes(self, free: np.ndarray):

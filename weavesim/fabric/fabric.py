@@ -38,7 +38,8 @@ class Stabilisation(Parameters):
         default=0.1, description="warping mode, share of the transverse shear stiffness"
     )
     director: Annotated[NotNegative, Quantity("stabilisation")] = Field(
-        default=0.1, description="director modes, share of the bending stiffness"
+        default=0.1,
+        description="director modes, share of the bending stiffness; at least 1 in a sheet that may touch itself",
     )
 
 

@@ -60,6 +60,21 @@ def facing(position: np.ndarray, director: np.ndarray, quads: np.ndarray) -> np.
     return along
 
 
+def directors_apart(director: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Angle between the mean directors at both diagonals of each element, (element_count,) [rad].
+
+    None where the element is bent or twisted, whose normals are the same at both; twice the angle by which directors
+    of neighbouring nodes swing against each other (docs/theory.md, section 5).
+
+    Args:
+        director: of the nodes, (node_count, 3).
+        quads: (element_count, 4).
+    """
+    one, other = (director[quads[:, k]] + director[quads[:, k + 2]] for k in range(2))
+    across = np.linalg.norm(np.cross(one, other), axis=1)
+    return np.asarray(np.arctan2(across, np.einsum("ei,ei->e", one, other)))
+
+
 def beyond_symmetry(position: np.ndarray, blank: Blank, symmetry: Symmetry) -> np.ndarray:
     """How far each node lies beyond a symmetry plane, on the side of the mirror image, (node_count,) [m]."""
     beyond = np.zeros(len(position))

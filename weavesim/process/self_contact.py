@@ -17,7 +17,8 @@ EXCLUDED_THICKNESSES = 2.0
 class SelfContact(Parameters):
     """Contact of a sheet with itself, at its initial thickness.
 
-    Points nearer to each other on the flat blank than twice the thickness are neighbours, and do not touch.
+    Points nearer to each other on the flat blank than twice the thickness are neighbours, and do not touch. A sheet
+    with it folds: its directors have the whole stiffness of their hourglass mode, whatever its fabric says.
 
     Attributes:
         friction: of the sheet's faces on each other.

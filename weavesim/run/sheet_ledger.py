@@ -24,6 +24,7 @@ from ..kernels.rows import (
 )
 from ..kernels.shell.energy import element_ledger_kernel
 from ..measures.defects.contact import half_thickness
+from ..measures.folding import directors_apart
 from ..sheet.samples import Surfaces
 from ..sheet.topology import at_corners
 from .fields import complete
@@ -173,6 +174,12 @@ class SheetLedger:
     def place_of(self, element: int) -> np.ndarray:
         """Middle of an element on the flat blank, (2,) [m]."""
         return self._model.blank.material_coordinates[self._model.blank.quads[element]].mean(axis=0)
+
+    def directors_apart(self, frame: SheetFrame) -> np.ndarray:
+        """Angle between the directors at both diagonals of every element, beyond the blank's [rad]; 0 of waste."""
+        blank = self._model.blank
+        grown = directors_apart(frame.director, blank.quads) - directors_apart(blank.initial_director, blank.quads)
+        return np.where(self._model.kept, grown, 0.0)
 
     def fastest_node(self) -> tuple[float, np.ndarray]:
         """Kinetic energy of the node with most of it at the frame just taken [J], and its flat place [m]."""

@@ -11,7 +11,7 @@ from pydantic import model_validator
 
 from ..arrays import BoolArray, FloatArray
 from ..checks import Finite, Parameters
-from ..fabric.fabric import Fabric
+from ..fabric.fabric import Fabric, Stabilisation
 from ..fabric.proportions import families_alike
 from ..names import Label
 from ..process.grippers import Gripper
@@ -32,6 +32,9 @@ SMALLEST_FLAT_AREA = 0.5
 # Angle of the yarns to a plane of symmetry or to its normal [degrees]: of straight ones, and of ones that curve.
 LARGEST_LEAN = 0.1
 LARGEST_CURVED_LEAN = 6.0
+# Least share of the exact stiffness of the director modes in a sheet that may touch itself, which folds: with a tenth,
+# directors swing against each other where elements turn by 15 to 21 degrees (docs/decisions/0081).
+DIRECTOR_SHARE_OF_FOLDS = 1.0
 
 
 class Sheet(Parameters):
@@ -86,6 +89,14 @@ class Sheet(Parameters):
         check_held_once("gripper", self.grippers, count, "a node can have one gripper")
         check_held_once("support", self.supports, count, "a node can have one support (which may have several drives)")
         return self
+
+    @property
+    def stabilisation(self) -> Stabilisation:
+        """Shares of the hourglass modes: of the fabric; where the sheet may touch itself, all of the directors'."""
+        own = self.fabric.stabilisation
+        if self.self_contact is None or own.director >= DIRECTOR_SHARE_OF_FOLDS:
+            return own
+        return own.model_copy(update={"director": DIRECTOR_SHARE_OF_FOLDS})
 
     def _check_flat_coordinates(self) -> None:
         """Self-contact tells neighbours by their distance on the flat blank."""

@@ -6,12 +6,13 @@ import pytest
 from tests.support.folded_strips import fold_blank
 from tests.support.stacked_plies import FABRIC, THICKNESS
 from weavesim import SelfContact, Setup, Sheet, Simulation, Solver
-from weavesim.engine.creases.crease_model import interior_edges
+from weavesim.engine.creases.crease_model import free_edges, goes_on, interior_edges
 from weavesim.engine.plies.connectivity import TURNING_OF_EDGES
 from weavesim.kernels.creases.pair_rows import CreaseCount
 from weavesim.kernels.creases.search import LEAST_TURN, WHOLE_TURN
 from weavesim.run.diagnosis import find_failure
 from weavesim.sheet.blank import Blank
+from weavesim.sheet.symmetry import Symmetry
 
 SIZE = 1.5 * THICKNESS
 
@@ -39,10 +40,29 @@ def test_edges_have_their_facets_on_either_side():
     np.testing.assert_allclose(one, -other)
 
 
+def test_free_edges_come_first_and_go_on_where_they_are_straight():
+    blank, plane = Blank.rectangle((0.0, 0.0), (3.0, 2.0), 1.0), Symmetry(planes=("x",))
+    for symmetry, count, straight in ((Symmetry(), 10, 6), (plane, 8, 5)):
+        free, at = free_edges(blank, symmetry), blank.material_coordinates
+        assert len(free) == count
+        np.testing.assert_array_equal(free[:, 4:], free[:, :2])
+        along, beside = (at[free[:, k + 1]] - at[free[:, k]] for k in (0, 2))
+        # the two other nodes lie beside the ends in the same order, two edges farther around the element
+        np.testing.assert_allclose(at[free[:, 3]] - at[free[:, 2]], along)
+        assert np.abs(beside).sum() > 0.0
+        on = at[np.flatnonzero(goes_on(free[:, :2], at))]
+        corners = {(x, y) for x in (0.0, 3.0) for y in (0.0, 2.0)}
+        assert len(on) == straight and not corners & set(map(tuple, on.tolist()))
+
+
 def test_a_flat_sheet_has_no_creases():
+    """Nor pairs of its free edges, which are not looked at once nothing is near."""
     run = searched(Blank.rectangle((0.0, 0.0), (6.0 * SIZE, 4.0 * SIZE), SIZE))
-    (own,) = run.state.creases
-    assert not own.number.numpy().any() and not own.weight.numpy().any() and not own.count.numpy().any()
+    run.stepper.advance(40)
+    (own,), (model,) = run.state.creases, run.model.creases
+    assert not own.number.numpy().any() and not own.count.numpy().any()
+    weight = own.weight.numpy()
+    assert (weight[: model.free_count] == 1.0).all() and not weight[model.free_count :].any()
 
 
 def test_creases_are_listed_with_those_that_are_near():
@@ -56,7 +76,8 @@ def test_creases_are_listed_with_those_that_are_near():
     def into(place):
         across = x[:, place] + x[:, place + 1] - x[:, 0] - x[:, 1]
         across -= ((across * along).sum(axis=1) / (along**2).sum(axis=1))[:, None] * along
-        return across / np.linalg.norm(across, axis=1, keepdims=True)
+        # none beyond a free edge
+        return across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
 
     turn = np.arccos(np.clip(-(into(2) * into(4)).sum(axis=1), -1.0, 1.0))
     share = (turn - float(LEAST_TURN)) / (float(WHOLE_TURN) - float(LEAST_TURN))

@@ -5,6 +5,7 @@ import pytest
 
 from weavesim.measures.folding import (
     beyond_symmetry,
+    directors_apart,
     facing,
     folded_elements,
     folded_pairs,
@@ -49,6 +50,20 @@ def test_neighbours_are_those_with_a_common_edge():
     pairs = neighbours(BLANK.quads)
     assert len(pairs) == 2 * 4 * 3
     assert all(len(set(BLANK.quads[a]) & set(BLANK.quads[b])) == 2 for a, b in pairs)
+
+
+def test_directors_are_apart_where_they_swing_and_not_where_the_sheet_bends():
+    """Normals of a cylinder and of a saddle are the same at both diagonals; those that swing by 20 degrees are not."""
+    x, y, _ = BLANK.node_position.T
+    zero, one = np.zeros_like(x), np.ones_like(x)
+    bent = np.column_stack([np.sin(80.0 * x), zero, np.cos(80.0 * x)])
+    twisted = np.column_stack([-30.0 * y, -30.0 * x, one])
+    for director in (bent, twisted / np.linalg.norm(twisted, axis=1)[:, None]):
+        assert directors_apart(director, BLANK.quads).max() < 0.02
+    sign = np.where(np.round((x + y) / 0.005).astype(int) % 2, 1.0, -1.0)
+    swing = np.deg2rad(20.0)
+    swung = np.column_stack([zero, np.sin(swing) * sign, np.cos(swing) * one])
+    np.testing.assert_allclose(directors_apart(swung, BLANK.quads), 2.0 * swing, rtol=1e-12)
 
 
 def inverted(position: np.ndarray, director: np.ndarray) -> np.ndarray:

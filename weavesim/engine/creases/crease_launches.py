@@ -88,7 +88,7 @@ class CreaseLaunches:
         edges, creases, search, entry = self._edges, self._creases, self._search, self._entry
         edge_count, group_count = self.model.edge_count, search.of_group.shape[0]
         if phase == 0:
-            self._launch(look_at_edges_kernel(real), group_count, part, [edges, creases, search])
+            self._launch(look_at_edges_kernel(real), group_count, part, [edges, entry, creases, search])
         elif phase == 1 and thread == 0:
             self._launch_one(sum_creases_kernel(real), [edges, entry, creases, search])
         elif phase == 2:

@@ -1,4 +1,4 @@
-"""Constants of the interior edges of a sheet that touches itself, whose creases may meet."""
+"""Constants of the edges of a sheet that touches itself, of which creases and free edges may meet."""
 
 from __future__ import annotations
 
@@ -8,27 +8,34 @@ import numpy as np
 import warp as wp
 
 from ...kernels.creases.data import edges_struct
+from ...kernels.plies.facet import FREE_EDGE
 from ...process.self_contact import SelfContact
+from ...sheet.blank import Blank
+from ...sheet.symmetry import Symmetry
 from ..layout import slots_of_nodes
-from ..plies.connectivity import free_edge_nodes, turning_way
+from ..plies.connectivity import edge_neighbours, free_edge_nodes, turning_way
 from ..plies.groups import compact_groups
 from ..plies.pass_model import PassModel
 from ..sheet_model import TANGENTIAL_RATIO
 
-# Share of the length of an edge by which the next one takes over; none at free edges and symmetry planes.
+# Share of the length of an edge by which the next one takes over; none where a crease ends at a free edge or a symmetry
+# plane, and where a free edge turns by more than 30 degrees.
 OVERLAP, NO_OVERLAP = 0.1, 1.0e-6
+LEAST_COSINE_OF_NEXT = 0.866
 # Entries of all lists: for every edge of small sheets, and of large ones, where few are creases.
 ENTRIES_PER_EDGE, EDGES_OF_SMALL_SHEETS, ENTRIES_PER_EDGE_OF_LARGE_SHEETS = 32, 4096, 4
 
 
 class CreaseModel:
-    """Constants of the contact of the creases of one sheet.
+    """Constants of the contact of the creases of one sheet, and of its free edges.
 
     Args:
         own_pass: the first pass of the sheet on itself, whose law, search and ledger they share.
 
     Attributes:
-        nodes: ends of every edge, then the two other nodes of either facet, (edge_count, 6).
+        nodes: ends of every edge, then the two other nodes of either facet, (edge_count, 6); of free edges, which come
+            first, the ends in place of the second facet.
+        free_count: how many of them are free.
         stiffness: of a pair with an edge that is not lighter, (edge_count,) [N/m].
         entry_count: room for entries of all lists.
         around: twice the edge, and its end, for every node, (slots, node_count) int32; -1 for none.
@@ -39,7 +46,9 @@ class CreaseModel:
         self.real, self.device = own_pass.real, own_pass.device
         sheet, contact = self.sheet, own_pass.interface
         assert isinstance(contact, SelfContact)
-        self.nodes = interior_edges(sheet.blank.quads, sheet.blank.material_coordinates)
+        free = free_edges(sheet.blank, sheet.symmetry)
+        self.free_count = len(free)
+        self.nodes = np.concatenate([free, interior_edges(sheet.blank.quads, sheet.blank.material_coordinates)])
         ends = self.nodes[:, :2]
         # the reduced mass of four equal nodes, where two edges cross in their middles, is that of one; half of it
         # leaves room for several contacts of an edge
@@ -58,7 +67,8 @@ class CreaseModel:
         edges.flat = wp.array(ends, dtype=wp.types.vector(4, self.real), device=self.device)
         edges.stiffness = self._numbers(self.stiffness)
         edges.overlap = self._numbers(self._overlap())
-        edges.motion, edges.stride, edges.edge_count = motion, sheet.motion_layout.stride, self.edge_count
+        edges.motion, edges.stride = motion, sheet.motion_layout.stride
+        edges.edge_count, edges.free_count = self.edge_count, self.free_count
         edges.thickness, edges.squared_exclusion = own.thickness, own.squared_exclusion
         edges.turning = turning_way(flat)
         law = own.law()
@@ -68,12 +78,14 @@ class CreaseModel:
 
     def _overlap(self) -> np.ndarray:
         """Of both ends of every edge, (2, edge_count)."""
-        blank, symmetry = self.sheet.blank, self.sheet.symmetry
+        blank, symmetry, free = self.sheet.blank, self.sheet.symmetry, self.nodes[: self.free_count, :2]
         last = np.zeros(blank.node_count, dtype=bool)
         last[free_edge_nodes(blank, symmetry)] = True
         for plane in symmetry.planes:
             last[symmetry.held_nodes(blank, plane)] = True
-        return np.where(last[self.nodes[:, :2]], NO_OVERLAP, OVERLAP).T
+        ends = last[self.nodes[:, :2]]
+        ends[: self.free_count] = ~goes_on(free, blank.material_coordinates)[free]
+        return np.where(ends, NO_OVERLAP, OVERLAP).T
 
     def integers(self, values: np.ndarray) -> wp.array:
         """On the device."""
@@ -109,6 +121,33 @@ def interior_edges(quads: np.ndarray, flat: np.ndarray) -> np.ndarray:
         return nodes
     groups = compact_groups(flat[nodes[:, :2]].mean(axis=1)).T.ravel()
     return nodes[groups[groups >= 0]]
+
+
+def free_edges(blank: Blank, symmetry: Symmetry) -> np.ndarray:
+    """Edges of one element, but for those on symmetry planes; those that lie together one after the other.
+
+    Returns:
+        Both ends, the node of the element beside the first and that beside the second, and both ends, (k, 6).
+    """
+    element, edge = np.nonzero(edge_neighbours(blank, symmetry) == int(FREE_EDGE))
+    corners = np.stack([blank.quads[element, (edge + k) % 4] for k in (0, 1, 3, 2, 0, 1)], axis=-1)
+    groups = compact_groups(blank.material_coordinates[corners[:, :2]].mean(axis=1)).T.ravel()
+    return corners[groups[groups >= 0]]
+
+
+def goes_on(ends: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """Nodes at which one free edge goes on in another, about straight, (node_count,) bool.
+
+    Args:
+        ends: of the free edges, as they go around their elements, (k, 2).
+        flat: coordinates of the nodes on the flat blank, (node_count, 2) [m].
+    """
+    along = flat[ends[:, 1]] - flat[ends[:, 0]]
+    along = along / np.linalg.norm(along, axis=1)[:, None]
+    arriving, leaving = np.zeros((2, len(flat), 2))
+    arriving[ends[:, 1]], leaving[ends[:, 0]] = along, along
+    once = np.bincount(ends.ravel(), minlength=len(flat)) == 2
+    return once & ((arriving * leaving).sum(axis=1) > LEAST_COSINE_OF_NEXT)
 
 
 def _around(ends: np.ndarray, node_count: int) -> np.ndarray:

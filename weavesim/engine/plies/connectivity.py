@@ -16,8 +16,17 @@ TURNING_OF_EDGES = 24.0
 
 def turning_way(blank: Blank) -> float:
     """What both faces move at least while normals, or facets, turn against each other by one radian [m]."""
+    return float(_edge_lengths(blank).min()) / TURNING_OF_EDGES
+
+
+def longest_edge(blank: Blank) -> float:
+    """Of the flat sheet [m]."""
+    return float(_edge_lengths(blank).max())
+
+
+def _edge_lengths(blank: Blank) -> np.ndarray:
     corners = blank.material_coordinates[blank.quads]
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()) / TURNING_OF_EDGES
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
 
 
 def edge_neighbours(blank: Blank, symmetry: Symmetry) -> np.ndarray:

@@ -18,7 +18,7 @@ from ...kernels.plies.own_search import (
     sheet_points_struct,
 )
 from ...kernels.stepping.step import group_maximum_kernel
-from .connectivity import turning_way
+from .connectivity import longest_edge, turning_way
 from .groups import compact_groups, groups_that_hang_together, nodes_at_cuts, nodes_of
 from .normals import normal_layout
 from .pass_launches import group_count
@@ -53,6 +53,8 @@ class OwnSearch:
         nodes, facets = compact_groups(flat), compact_groups(flat[blank.quads].mean(axis=1))
         facet_nodes = nodes_of(facets, blank.quads)
         self._nodes, self._facets = self._bounds(nodes, nodes), self._bounds(facets, facet_nodes)
+        # edges touch up to half of their length away from their nodes
+        self._facets.room = max(0.0, 0.5 * longest_edge(blank) - model.skin)
         cut = nodes_at_cuts(flat, model.on_edge, float(np.sqrt(np.mean(self._sheet.geometry.area))))
         reach = SPARE_REACH * (model.thickness + model.skin)
         hanging = groups_that_hang_together(nodes, facet_nodes, flat, reach, cut)

@@ -6,6 +6,8 @@ import numpy as np
 
 # Share of the product of three edges below which a volume is rounding, and counts as zero.
 ROUNDING = 1.0e-13
+# Share of their size by which triangles that touch may seem to be apart.
+SEPARATION = 1.0e-12
 
 
 def volume_sign(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -51,14 +53,18 @@ def meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
         for corner in range(3):
             p, q = these[candidate, corner], these[candidate, (corner + 1) % 3]
             result[candidate] |= pierces(p, q, those[candidate], touching=True)
-    (candidate,) = np.nonzero(flat)
+    # of triangles in one plane but for rounding, volumes tell nothing of where in it they are
+    (candidate,) = np.nonzero(flat | result)
     if len(candidate):
         result[candidate] = _overlap(first[candidate], second[candidate])
     return result
 
 
 def _overlap(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Whether pairs of triangles (k, 3, 3) in one plane overlap or touch: no edge of either separates them."""
+    """Whether no edge of either of pairs of triangles (k, 3, 3) separates them, seen along the normal of the second.
+
+    Those in one plane then overlap or touch; others that are separated do not meet.
+    """
     normal = np.cross(second[:, 1] - second[:, 0], second[:, 2] - second[:, 0])
     apart = np.zeros(len(first), dtype=bool)
     for triangle in (first, second):
@@ -66,5 +72,7 @@ def _overlap(first: np.ndarray, second: np.ndarray) -> np.ndarray:
             start, edge = triangle[:, corner], triangle[:, (corner + 1) % 3] - triangle[:, corner]
             across = np.cross(normal, edge)
             own, other = (np.einsum("kni,ki->kn", points - start[:, None], across) for points in (first, second))
-            apart |= (own.min(axis=1) > other.max(axis=1)) | (other.min(axis=1) > own.max(axis=1))
+            margin = SEPARATION * np.maximum(np.abs(own).max(axis=1), np.abs(other).max(axis=1))
+            apart |= own.min(axis=1) > other.max(axis=1) + margin
+            apart |= other.min(axis=1) > own.max(axis=1) + margin
     return ~apart

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from .guard import Doubt, Guard, Level, Start
 if TYPE_CHECKING:
     from ...engine.setup import Setup
     from ...sheet.sheet import Sheet
-    from ..frame import SheetFrame, SheetInfo
+    from ..frame import Frame, SheetFrame, SheetInfo
+    from ..ledger import Ledger
     from ..verdict import Judged
     from ..watch.condition import Tally
 
@@ -24,6 +25,9 @@ LARGEST_OVERLAP = 0.05
 REFUSED_OVERLAP = 0.25
 # Share of all elements from which on what is wrong with them is wrong with the result.
 USELESS_SHARE = 0.01
+# Angle between the mean directors at both diagonals of an element that is not doubted [degrees]; without a swing it is
+# that of a crease that runs at an angle to the mesh.
+LARGEST_SWING = 60.0
 # Beyond a symmetry plane, of the thickness: what is not doubted, and from which on the sheet is in its mirror image.
 LARGEST_BEYOND = 0.05
 USELESS_BEYOND = 1.0
@@ -248,6 +252,59 @@ class InvertedElements(_Counted):
     what = "inverted"
     text = "elements are turned over against their directors"
     advice = "their bending is meaningless: refine the mesh, or move tools less far"
+
+
+class SwingingDirectors(Guard):
+    """Directors of neighbouring nodes that swing against each other, before elements turn over and fold.
+
+    Elements that bend more than their stabilisation bears do that by themselves, whatever the tools do.
+    """
+
+    lasting = True
+    name = "swinging_directors"
+    watches = "directors of neighbouring nodes that swing against each other"
+
+    def __init__(self) -> None:
+        self._worst: dict[str, list[float]] = {}
+
+    def watch(self, frame: Frame, ledger: Ledger) -> None:
+        """Keep the state with most of them: their number, share, largest angle, time and place."""
+        for index, (sheet, own) in enumerate(zip(ledger.sheets, frame.sheets, strict=True)):
+            apart = np.degrees(sheet.directors_apart(own))
+            count, element = int((apart > LARGEST_SWING).sum()), int(apart.argmax())
+            worst = self._worst.get(str(index))
+            if count and (worst is None or count > worst[0]):
+                place = sheet.place_of(element)
+                share = count / len(apart)
+                self._worst[str(index)] = [count, share, apart[element], frame.time, place[0], place[1]]
+
+    def memory(self) -> Mapping[str, Any]:
+        """The worst state of each sheet, by its number."""
+        return {"worst": {index: [float(value) for value in worst] for index, worst in self._worst.items()}}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Take them back."""
+        self._worst = {index: list(worst) for index, worst in memory["worst"].items()}
+
+    def after(self, run: Judged) -> Iterable[Doubt]:
+        """The worst state of each sheet."""
+        setup = run.run.info.setup
+        for index, (count, share, angle, time, x, y) in self._worst.items():
+            info = run.run.info.sheets[int(index)]
+            borne = setup.sheets[int(index)].stabilisation if setup is not None else info.fabric.stabilisation
+            twist, bend = (np.degrees(np.sqrt(factor * borne.director / 3.0)) for factor in (2.0, 4.0))
+            yield self.doubt(
+                Level.DO_NOT_USE if share > USELESS_SHARE else Level.WARNING,
+                f"directors at the diagonals of {count:.0f} elements point apart by up to {angle:.0f} degrees",
+                "their bending is meaningless, and they fold over next: with stabilisation.director = "
+                f"{borne.director:g} an element may turn by {twist:.0f} degrees in a twist, {bend:.0f} in a bend; "
+                f"refine the mesh, or {'take 1' if borne.director < 1.0 else 'bend it less sharply'}",
+                sheet=info.name,
+                place=(x, y),
+                time=time,
+                value=count,
+                limit=0.0,
+            )
 
 
 class BeyondSymmetry(Guard):

@@ -23,8 +23,12 @@ def met(
     lower=-1.0,
     depth=1e-9,
     steps=1,
+    free=None,
 ):
-    """Everything that is kept of two edges with parts of the sheet on the far side of either, after ``steps``."""
+    """Everything that is kept of two edges with parts of the sheet on the far side of either, after ``steps``.
+
+    ``free``: directions into the only facet of either, which then are free edges.
+    """
     motion = np.zeros((MotionRow.row_count(), 4))
     motion[MotionRow.position.span] = np.array([*first, *second]).T
     motion[MotionRow.velocity.span] = np.array(speed).T
@@ -38,7 +42,10 @@ def met(
     edges.thickness, edges.tangential_ratio, edges.coefficient = THICKNESS, 0.5, array([FRICTION])
     creases.number, creases.crease = array([2, 2, 0], wp.int32), array([0, 1], wp.int32)
     creases.weight = array(weight)
-    creases.inward = wp.array(np.tile([[[0, 0, 1.0], [0, 0, lower]]], (2, 1, 1)), dtype=vec3, device="cpu")
+    inward = np.tile([[[0, 0, 1.0], [0, 0, lower]]], (2, 1, 1))
+    if free is not None:
+        edges.free_count, inward = 2, np.array([free, np.zeros((2, 3))])
+    creases.inward = wp.array(inward, dtype=vec3, device="cpu")
     creases.first, creases.count, creases.partner = (array(v, wp.int32) for v in ([0, 1], [1, 1], [1, 0]))
     rows = np.zeros((PairRow.row_count(), 2))
     rows[PairRow.depth] = depth  # above 0: they have touched before, without an entry
@@ -108,6 +115,19 @@ def test_friction_slides_within_its_limit():
 )
 def test_no_force(given):
     assert not met(**given).force.numpy().any()
+
+
+@pytest.mark.parametrize(
+    ("free", "share"),
+    [
+        (((0.0, 0.0, 1.0), (0.0, 0.0, -1.0)), 1.0),  # edge-on, in planes at a right angle
+        (((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)), 0.0),  # one flat over the other, which nodes on facets see
+        (((0.0, 0.0, -1.0), (0.0, 0.0, -1.0)), 0.0),  # over the facet of the first
+    ],
+)
+def test_free_edges(free, share):
+    force, *_ = closed_form()
+    np.testing.assert_allclose(met(free=free).force.numpy()[:, 0].sum(axis=0), share * force, atol=1e-12)
 
 
 def test_the_next_edge_takes_over():

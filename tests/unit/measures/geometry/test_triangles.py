@@ -35,6 +35,18 @@ def test_triangles_meet_or_not_wherever_they_are(seed, other, wanted):
     assert meet(np.stack([first, second]), np.stack([second, first])).tolist() == [wanted, wanted]
 
 
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(("shift", "wanted"), [(0.6, False), (2.0, False)])
+def test_triangles_of_one_plane_but_for_rounding(seed, shift, wanted):
+    """One corner is off the plane by more than what counts as rounding, as in flat parts of a sheet that is bent."""
+    first = moved(FLAT, seed=seed)
+    for corner in range(3):
+        other = FLAT + (shift, shift, 0.0)
+        other[corner, 2] += 3.0e-13
+        second = moved(other, seed=seed)
+        assert meet(np.stack([first, second]), np.stack([second, first])).tolist() == [wanted, wanted]
+
+
 def test_touching_is_meeting_and_no_pairs_are_none():
     on_the_face = UPRIGHT + (0.0, 0.0, 1.0)
     at_a_corner = FLAT + (1.0, 0.0, 0.0)

@@ -87,6 +87,7 @@ PAIRS: dict[str, tuple[str, str]] = {
     "start_overlap": (
         f"{UNIT}/run/test_simulation.py::test_a_tool_may_touch_the_blank_and_reach_a_little_into_it",
     ) * 2,
+    "swinging_directors": (f"{HERE}::test_a_strip_that_twists_more_than_its_directors_bear",) * 2,
     "tool_friction": (
         "tests/verification/contact/test_tool_friction.py::test_use_beyond_a_table_is_told_with_place_and_time",
         "tests/verification/contact/test_tool_friction.py::test_a_sled_gives_the_law_of_its_table_back",
@@ -234,6 +235,26 @@ def test_a_strip_that_is_turned_back_over_itself():
     guards = {"folded_elements", "inverted_elements", "self_intersection"}
     assert guards <= set(strip((-0.05, 0.004, -0.002)))
     assert not guards & set(strip((-0.004, 0.0, 0.008)))
+
+
+@pytest.mark.parametrize(("director", "trips"), [(0.1, True), (1.0, False)])
+def test_a_strip_that_twists_more_than_its_directors_bear(director, trips):
+    """All nodes are driven into a helicoid that turns by 0.4 rad over an element; a tenth bears 0.26 rad, all 0.82."""
+    size = 1.5 * THICKNESS
+    blank = Blank.rectangle((-3.0 * size, -size), (3.0 * size, size), size)
+    x, y, _ = blank.node_position.T
+    angle = 0.4 * x / size
+    every, none, held = np.arange(blank.node_count), np.zeros_like(x), Stroke((0.0, 3e-3, 1.0), (0.0, 1.0, 1.0))
+    moved = Drive(held, np.column_stack([none, y * (np.cos(angle) - 1.0), y * np.sin(angle)]))
+    laws = FABRIC.model_copy(update={"stabilisation": FABRIC.stabilisation.model_copy(update={"director": director})})
+    supports = (Support("all", every, (moved,), rotations=""),)
+    run = small_run(blank=blank, fabric=laws, supports=supports, duration=6e-3, frame_count=1)
+    run.run()
+    assert ("swinging_directors" in found(run)) == trips
+    if trips:
+        doubt = found(run)["swinging_directors"]
+        assert doubt.level == Level.DO_NOT_USE and doubt.value >= 4 and doubt.time > 1.5e-3
+        assert "0.1 an element may turn by 15 degrees in a twist, 21 in a bend" in doubt.advice
 
 
 def test_a_trim_along_edges_of_elements():

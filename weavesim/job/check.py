@@ -296,7 +296,8 @@ def _pressure(force: float, area: float) -> Row:
     return Row(
         "forces",
         "pressure",
-        f"{force:.4g} N on {1e4 * area:.4g} cm2 that it touches: {1e-3 * pressure:.4g} kPa",
+        f"{force:.4g} N on {1e4 * area:.4g} cm2 that it touches: "
+        + (f"{1e-3 * pressure:.4g} kPa" if pressure < 1.0e6 else f"{1e-6 * pressure:.4g} MPa"),
         OK if question is None else LOOK,
         advice,
     )

@@ -153,7 +153,7 @@ def renewed(
         return Record(
             warp,
             [
-                Entry(short_name(kernel), precision, tuple(users), contents[kernel], known[contents[kernel]])
+                Entry(short_name(kernel), precision, tuple(users), contents[kernel], dict(known[contents[kernel]]))
                 for precision, kernel, users in every
                 if contents[kernel] in known
             ],

@@ -106,6 +106,7 @@ def test_the_pressure_under_a_holder_is_judged_with_the_likely_slip(tmp_path, tr
     assert pressure == pytest.approx(1e-3 * force / (1e-4 * area), rel=2e-3)
     row = rows_of(tmp_path, ('force = "600 N"', 'force = "600 kN"'))[1]["forces", "pressure"]
     assert row.judgement == "look" and row.advice.endswith("to 2000 kPa; was 600 N meant, not kN?")
+    assert float(row.value.split()[-2]) == pytest.approx(pressure, rel=2e-3) and row.value.endswith(" MPa")
     row = rows_of(tmp_path, ('force = "600 N"', "force = 0.5"))[1]["forces", "pressure"]
     assert row.judgement == "look" and row.advice.endswith("was 0.5 kN meant, not N?")
 

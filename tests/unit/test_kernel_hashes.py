@@ -14,7 +14,14 @@ from weavesim.kernel_cache import hashed_once
 
 def hash_of(*kernels):
     """Of a module of these kernels, as Warp computes it where nothing is remembered, or within ``hashed_once``."""
-    return context.ModuleHasher(list(kernels), {}).get_hash()
+    # with its options: hashing also notes in a kernel whether its next build has a grid-stride loop
+    return context.ModuleHasher(list(kernels), kernels[0].module.resolve_options(wp.config)).get_hash()
+
+
+def test_a_kernel_that_was_hashed_is_built_as_before():
+    kernel = next(iter(KernelSet.of_setups(default_setups(["double-dome"])).kernels()))
+    hash_of(kernel)
+    assert kernel.grid_stride is wp.config.default_grid_stride
 
 
 def test_kernels_have_the_hashes_of_warp_and_no_function_is_hashed_twice(monkeypatch):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ...shared.report import table
-from .former import former_bounds
 from .prediction import H100, H200, MEASURED, SIZES, Predicted, predicted
 from .record import ARCHITECTURES, Entry, Record
 
@@ -33,31 +32,19 @@ def most(entries: Iterable[Entry]) -> str:
 
 
 def register_table(record: Record) -> str:
-    """Registers, bytes of stack if any, and instructions: the largest of all architectures and of all who ask.
-
-    What is not recorded has its bound instead, if it has one.
-    """
+    """Registers, bytes of stack if any, and instructions: the largest of all architectures and of all who ask."""
     lines: dict[tuple[str, str], list[Entry]] = {}
     for entry in record.entries:
         lines.setdefault((asker(entry), entry.kernel), []).append(entry)
-    bounds = former_bounds()
     rows, small = [], []
-    for who, kernel in sorted(
-        {*lines, *((who, kernel) for who, kernel, _ in bounds)}, key=lambda line: (line[0] != "scenes", line)
-    ):
-        entries = lines.get((who, kernel), [])
-        if entries and all(
-            one.registers <= SMALL and not one.stack for entry in entries for one in entry.needs.values()
-        ):
+    for (who, kernel), entries in sorted(lines.items(), key=lambda line: (line[0][0] != "scenes", line[0])):
+        if all(one.registers <= SMALL and not one.stack for entry in entries for one in entry.needs.values()):
             small += entries
             continue
-        cells = (
-            most(entry for entry in entries if entry.precision == precision) or bounds.get((who, kernel, precision), "")
-            for precision in PRECISIONS
-        )
+        cells = (most(entry for entry in entries if entry.precision == precision) for precision in PRECISIONS)
         rows.append([f"`{kernel}`", who, *cells])
     cells = (most(entry for entry in small if entry.precision == precision) for precision in PRECISIONS)
-    rows.append(["others that are recorded", "", *cells])
+    rows.append(["all others", "", *cells])
     return table(["kernel", "asked for by", *PRECISIONS], rows)
 
 

@@ -27,6 +27,7 @@ def shown(text: object) -> str:
 
 # How a user gives the unit of a file: to a function, in a job, and to a command.
 IN_PYTHON, IN_JOB, IN_COMMAND = "unit_scale={metres:g}", 'unit = "{name}"', "--unit {name}"
+OF_EDGE_IN_COMMAND = "--edge-unit {name}"
 _UNITS = {0.001: "mm", 0.01: "cm", 0.0254: "inch", 0.3048: "ft", 1.0: "m", 1.0e-6: "um"}
 _units_given: ContextVar[str] = ContextVar("units_given", default=IN_PYTHON)
 
@@ -41,9 +42,14 @@ def units_given_as(form: str) -> Iterator[None]:
         _units_given.reset(token)
 
 
+def unit_name(metres: float) -> str | None:
+    """Name of a unit of so many metres, such as "mm"; None of one without a usual name."""
+    return next((name for size, name in _UNITS.items() if math.isclose(size, metres, rel_tol=1.0e-6)), None)
+
+
 def unit_wish(metres: float) -> str:
     """What a user gives for a file whose unit is so many metres, as by ``units_given_as``."""
-    name = next((name for size, name in _UNITS.items() if math.isclose(size, metres, rel_tol=1.0e-6)), None)
+    name = unit_name(metres)
     return (IN_PYTHON if name is None else _units_given.get()).format(metres=metres, name=name)
 
 

@@ -94,14 +94,17 @@ def _check_unchanged(out: Path, setup: Setup) -> None:
     from ..output.claim.record import SETUP_NAME
     from .jobs.rerun import LARGEST_SETUP
 
-    path = out / SETUP_NAME
+    path, own = out / SETUP_NAME, setup.to_json()
     try:
-        found = parse_json(read_bounded(path, "set-up", LARGEST_SETUP))
+        text = read_bounded(path, "set-up", LARGEST_SETUP)
+        if text.strip() == own.encode():
+            return
+        found = parse_json(text)
     except (InputError, ValueError, RecursionError) as error:
         if path.exists():
             logger.warning("%s: %s: the run goes on with the set-up that it began with, written anew", path, error)
         return
-    changed = list(islice(_changes(json.loads(setup.to_json()), found), MOST_CHANGES))
+    changed = list(islice(_changes(json.loads(own), found), MOST_CHANGES))
     if not changed:
         return
     raise InputError(

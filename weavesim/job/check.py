@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..engine.plies.pass_model import nodal_areas
 from ..engine.setup import Setup
 from ..errors import InputError
 from ..meshes.numbering import scatter_told
@@ -251,15 +252,16 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
             OK if touches else LOOK,
             "" if touches else 'it flies there first: start = "touching"',
         )
-        force, mass = float(np.abs(tool.motion.curve()[1]).max()), tool.motion.driven_mass
-        areas = [
-            nodal_area(sheet.blank.quads, sheet.geometry.area, len(each))[each <= gap + IN_TOUCH * stack].sum()
-            for sheet, each in zip(start.model.sheets, found, strict=True)
-        ]
-        whole = max(float(sheet.geometry.area.sum()) for sheet in start.model.sheets)
-        largest = max(force, _largest_force(setup, tool.name))
-        if largest > 0.0 and touches and max(areas) >= LEAST_TOUCHED * whole:
-            yield _pressure(largest, float(max(areas)))
+        force, mass = _largest_force([tool.motion]), tool.motion.driven_mass
+        moves = [move.motion for stage in setup.stages for move in stage.moves if move.name == tool.name]
+        largest = max(force, _largest_force(moves))
+        if largest > 0.0 and touches:
+            areas = [nodal_areas(sheet) for sheet in start.model.sheets]
+            touched = max(
+                float(area[each <= gap + IN_TOUCH * stack].sum()) for area, each in zip(areas, found, strict=True)
+            )
+            if touched >= LEAST_TOUCHED * max(float(area.sum()) for area in areas):
+                yield _pressure(largest, touched)
         if force > 0.0:
             follow = math.sqrt(2.0 * IN_TOUCH * stack * mass / force)
             quick = follow <= SLOW_HOLDER * setup.duration
@@ -272,15 +274,9 @@ def _holders(setup: Setup, start: Start) -> Iterator[Row]:
             )
 
 
-def _largest_force(setup: Setup, name: str) -> float:
-    """The largest force that moves a tool in any stage [N]; 0 without stages."""
-    moves = [move.motion for stage in setup.stages for move in stage.moves if move.name == name]
-    return max((float(np.abs(motion.curve()[1]).max()) for motion in moves if motion.by_force), default=0.0)
-
-
-def nodal_area(quads: np.ndarray, area: np.ndarray, count: int) -> np.ndarray:
-    """Area that each of ``count`` nodes stands for [m^2]: a quarter of each element (n, 4) around it, ``area`` (n,)."""
-    return np.bincount(np.ravel(quads), weights=np.repeat(0.25 * area, 4), minlength=count)
+def _largest_force(motions: Sequence[Motion]) -> float:
+    """The largest force of any of these [N]; 0 of none that is by force."""
+    return max((float(np.abs(motion.curve()[1]).max()) for motion in motions if motion.by_force), default=0.0)
 
 
 def _pressure(force: float, area: float) -> Row:

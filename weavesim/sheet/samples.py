@@ -105,7 +105,9 @@ class Surfaces:
     def __init__(self, places: np.ndarray) -> None:
         self._share, by_u, by_v = corner_shares(places)
         # derivatives are the same at many places, such as all along a line
-        self._lines = [np.unique(each, axis=0, return_inverse=True) for each in (by_u, by_v)]
+        unique = [np.unique(each, axis=0, return_inverse=True) for each in (by_u, by_v)]
+        # NumPy 2.0 gives the inverse a further dimension
+        self._lines = [(lines, of_place.ravel()) for lines, of_place in unique]
         self._rest = 0.5 * (1.0 - np.square(places))
 
     def __call__(self, x: np.ndarray, d: np.ndarray) -> np.ndarray:

@@ -74,7 +74,7 @@ class Record:
                     "precision": entry.precision,
                     "users": entry.users,
                     "content": entry.content,
-                    **{f"sm_{architecture}": astuple(needs) for architecture, needs in entry.needs.items()},
+                    **{f"sm_{one}": astuple(entry.needs[one]) for one in ARCHITECTURES if one in entry.needs},
                 }
             )
             for entry in sorted(self.entries, key=lambda one: (one.kernel, one.precision, one.users))
@@ -86,10 +86,6 @@ class Record:
     def knows(self, found: str, warp: str) -> bool:
         """Whether a kernel of this content has been recorded with this version of Warp."""
         return warp == self.warp and any(entry.content == found for entry in self.entries)
-
-    def has(self, kernel: str, precision: str, users: Iterable[str]) -> bool:
-        """Whether a kernel of this name has been recorded for just these users, however it has changed since."""
-        return (kernel, precision, (*users,)) in {(one.kernel, one.precision, one.users) for one in self.entries}
 
     def bound(self, kernel: str, precision: str, users: Iterable[str], architecture: int) -> Resources | None:
         """The most that a kernel of this name may need for each of its users; None if one of them is not recorded.

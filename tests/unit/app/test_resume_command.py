@@ -108,7 +108,8 @@ def test_cases_are_resumed_in_their_order(tmp_path, monkeypatch):
         resume_folder(tmp_path)
 
 
-def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, caplog):
+def run_without_room(folder, monkeypatch):
+    """A short picture frame for whose tables there is no room on the disk; returns its summary."""
     from weavesim.output.writers.tables import TablesWriter
     from weavesim.scenes import picture_frame
 
@@ -116,11 +117,15 @@ def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, ca
         raise OSError(28, "No space left on device")
 
     parameters = picture_frame.SCENE.parameters(
-        out=tmp_path, mesh_size=0.05, frame_count=2, speed=2.0, write="summary,tables"
+        out=folder, mesh_size=0.05, frame_count=2, speed=2.0, write="summary,tables"
     )
     with monkeypatch.context() as patched:
         patched.setattr(TablesWriter, "write", full)
-        picture_frame.SCENE.run(parameters)
+        return picture_frame.SCENE.run(parameters)
+
+
+def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, caplog):
+    run_without_room(tmp_path, monkeypatch)
     path = tmp_path / "setup.json"
     original = path.read_text()
     values = json.loads(original)
@@ -138,18 +143,7 @@ def test_an_edited_set_up_is_refused_with_what_differs(tmp_path, monkeypatch, ca
 
 
 def test_results_that_had_no_room_are_written_by_a_resume(tmp_path, monkeypatch):
-    from weavesim.output.writers.tables import TablesWriter
-    from weavesim.scenes import picture_frame
-
-    def full(self, results):
-        raise OSError(28, "No space left on device")
-
-    parameters = picture_frame.SCENE.parameters(
-        out=tmp_path, mesh_size=0.05, frame_count=2, speed=2.0, write="summary,tables"
-    )
-    with monkeypatch.context() as patched:
-        patched.setattr(TablesWriter, "write", full)
-        result = picture_frame.SCENE.run(parameters)
+    result = run_without_room(tmp_path, monkeypatch)
     assert result["missing"] == ["tables"] and has_job(tmp_path)
     again = resume_folder(tmp_path)
     assert again["missing"] == [] and not has_job(tmp_path) and again["step_count"] == result["step_count"]

@@ -9,7 +9,7 @@ from tests.support.jobs import TRAY, changed, tray_surface, write_stl, write_tra
 from tests.support.mesh_files import obj_text
 from weavesim.job.advice.told import Row
 from weavesim.job.build import setup_of
-from weavesim.job.check import check_setup, nodal_area, table_of
+from weavesim.job.check import check_setup, table_of
 from weavesim.job.read import read_job
 from weavesim.sheet.blank import Blank
 
@@ -91,11 +91,6 @@ def test_a_holder_that_is_not_in_touch_is_told(tmp_path):
     changes = ('force = "600 N"', 'force = "600 N"\nclearance = "3 mm"')
     row = rows_of(tmp_path, changes)[1]["forces", "ring"]
     assert row.judgement == "look" and row.value.startswith("3 mm above the sheet")
-
-
-def test_each_node_stands_for_its_share_of_the_elements_around_it():
-    found = nodal_area(np.array([[0, 1, 4, 3], [1, 2, 5, 4]]), np.array([4.0, 8.0]), 7)
-    assert found.tolist() == [1.0, 3.0, 2.0, 1.0, 3.0, 2.0, 0.0]
 
 
 def test_the_pressure_under_a_holder_is_judged_with_the_likely_slip(tmp_path, tray):

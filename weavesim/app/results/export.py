@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ...errors import InputError
-from ...input_files import IN_COMMAND, units_given_as
+from ...input_files import IN_COMMAND, OF_EDGE_IN_COMMAND, units_given_as
 from ..terminal import say
 
 
@@ -90,7 +90,7 @@ def _tell_verdict(run: Path) -> None:
         say(f'note: the verdict of this run is "{verdict}"; weavesim view {run} tells why')
 
 
-@units_given_as(IN_COMMAND.replace("unit", "edge-unit"))
+@units_given_as(OF_EDGE_IN_COMMAND)
 def _drawings(
     run: Path,
     flat: Path | None,

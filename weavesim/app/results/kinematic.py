@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from ...errors import InputError
-from ...input_files import IN_COMMAND, units_given_as
+from ...input_files import OF_EDGE_IN_COMMAND, units_given_as
 from ..jobs.arguments import asked_of_a_job
 from ..terminal import say
 
@@ -140,7 +140,7 @@ def _first_blank(wish: _BlankWish, setup: Setup, sheet: Sheet, drape: KinematicD
     from ...output.flat.part_edge import opening_of, read_part_edge
 
     if wish.part_edge is not None:
-        with units_given_as(IN_COMMAND.replace("unit", "edge-unit")):
+        with units_given_as(OF_EDGE_IN_COMMAND):
             edge = read_part_edge(wish.part_edge, metres_per_unit=wish.scale)
     else:
         names = [tool.name for tool in setup.tools]

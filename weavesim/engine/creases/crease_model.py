@@ -13,7 +13,7 @@ from ...process.self_contact import SelfContact
 from ...sheet.blank import Blank
 from ...sheet.symmetry import Symmetry
 from ..layout import slots_of_nodes
-from ..plies.connectivity import edge_neighbours, free_edge_nodes, turning_way
+from ..plies.connectivity import edge_neighbours, turning_way
 from ..plies.groups import compact_groups
 from ..plies.pass_model import PassModel
 from ..sheet_model import TANGENTIAL_RATIO
@@ -80,7 +80,7 @@ class CreaseModel:
         """Of both ends of every edge, (2, edge_count)."""
         blank, symmetry, free = self.sheet.blank, self.sheet.symmetry, self.nodes[: self.free_count, :2]
         last = np.zeros(blank.node_count, dtype=bool)
-        last[free_edge_nodes(blank, symmetry)] = True
+        last[free] = True
         for plane in symmetry.planes:
             last[symmetry.held_nodes(blank, plane)] = True
         ends = last[self.nodes[:, :2]]
@@ -116,11 +116,7 @@ def interior_edges(quads: np.ndarray, flat: np.ndarray) -> np.ndarray:
         # an element goes along an edge from its corner 0 to 1: corner 3 is beside 0, and 2 beside 1
         forward = (own[:, 0] == found[0][:, 0])[:, None]
         found.append(np.where(forward, own[:, [3, 2]], own[:, [2, 3]]))
-    nodes = np.concatenate(found, axis=1)
-    if not len(nodes):
-        return nodes
-    groups = compact_groups(flat[nodes[:, :2]].mean(axis=1)).T.ravel()
-    return nodes[groups[groups >= 0]]
+    return _side_by_side(np.concatenate(found, axis=1), flat)
 
 
 def free_edges(blank: Blank, symmetry: Symmetry) -> np.ndarray:
@@ -131,8 +127,13 @@ def free_edges(blank: Blank, symmetry: Symmetry) -> np.ndarray:
     """
     element, edge = np.nonzero(edge_neighbours(blank, symmetry) == int(FREE_EDGE))
     corners = np.stack([blank.quads[element, (edge + k) % 4] for k in (0, 1, 3, 2, 0, 1)], axis=-1)
-    groups = compact_groups(blank.material_coordinates[corners[:, :2]].mean(axis=1)).T.ravel()
-    return corners[groups[groups >= 0]]
+    return _side_by_side(corners, blank.material_coordinates)
+
+
+def _side_by_side(edges: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """Edges, with both ends first, (k, 6), those that lie together on the flat blank one after the other."""
+    groups = compact_groups(flat[edges[:, :2]].mean(axis=1)).T.ravel()
+    return edges[groups[groups >= 0]]
 
 
 def goes_on(ends: np.ndarray, flat: np.ndarray) -> np.ndarray:

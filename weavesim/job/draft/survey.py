@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
+from ...input_files import unit_name
 from ...meshes import read_mesh
 from ...tools.mesh_features import face_normals, fillet_radius
 from ...tools.mesh_repair import without_unused
@@ -128,8 +129,7 @@ def _unit(vertices: np.ndarray, metres_per_unit: float | None, given: str | None
     sides = np.ptp(vertices, axis=0)
     text = " x ".join(f"{side:.4g}" for side in sides)
     if metres_per_unit is not None:
-        known = {0.001: "mm", 0.01: "cm", 1.0: "m", 0.0254: "inch", 1e-6: "um", 0.3048: "ft"}
-        name = next((name for size, name in known.items() if math.isclose(size, metres_per_unit)), None)
+        name = unit_name(metres_per_unit)
         if name is not None:
             return name, "as the file says"
     size = float(sides.max())

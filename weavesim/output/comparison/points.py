@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +14,7 @@ from ...input_files import shown
 from ...tables.table import Table, Wanted, read_table
 from ..export.nearest import nearest
 from ..files import write_summary
+from ..measured import LARGEST_RADIAN
 from ..stored.file import StoredSheet
 from ..tables import write_table
 from .fields import FIELDS, UNITS, keyed
@@ -22,8 +22,8 @@ from .runs import LARGEST_RATIO, interpolated, nearest_rows, statistics
 
 # Points farther from the sheet than this share of its diagonal were not measured on it.
 FAR = 0.2
-# Measured angles that may be radians: none beyond this [degrees], and the sheet's are this many times as large.
-LARGEST_RADIAN, RATIO_OF_RADIANS = 0.5 * math.pi, 20.0
+# Of measured angles that may be radians, the sheet's are this many times as large.
+RATIO_OF_RADIANS = 20.0
 
 TABLES = (".csv", ".txt", ".tsv", ".dat", ".xyz")
 
@@ -213,8 +213,11 @@ def compare_points(sheet: StoredSheet, points: MeasuredPoints) -> PointCompariso
 
 def _radians(key: str, own: np.ndarray, measured: np.ndarray) -> Iterator[str]:
     """A note if measured angles look like radians that were called degrees."""
-    top, typical = np.abs(measured).max(), np.nanmean(np.abs(own)) if np.isfinite(own).any() else 0.0
-    if 0.0 < top <= LARGEST_RADIAN and typical > RATIO_OF_RADIANS * np.abs(measured).mean():
+    known = np.isfinite(own)
+    if not known.any():
+        return
+    top, typical = np.abs(measured[known]).max(), np.abs(own[known]).mean()
+    if 0.0 < top <= LARGEST_RADIAN and typical > RATIO_OF_RADIANS * np.abs(measured[known]).mean():
         yield (
             f"{_plain(key)}: measured are {top:.3g} degrees at most, where the sheet has {typical:.3g} on average: are "
             f'they radians? Then call the column "{_plain(key)} [rad]"'

@@ -275,7 +275,7 @@ class SwingingDirectors(Guard):
             worst = self._worst.get(str(index))
             if count and (worst is None or count > worst[0]):
                 place = sheet.place_of(element)
-                share = count / len(apart)
+                share = count / (own.kept.sum() or len(apart))
                 self._worst[str(index)] = [count, share, apart[element], frame.time, place[0], place[1]]
 
     def memory(self) -> Mapping[str, Any]:
